@@ -422,14 +422,69 @@ struct FileFill {
   std::string file;
 };  // CSV: scene/particle_file.hpp; relative to the scene's folder
 
+// Part of the results of another run: the spheres of one of its frames.
+struct RunFill {
+  std::string folder;          // relative to the scene's folder
+  std::optional<double> time;  // of the frame [s]; absent: of the last one
+};
+
+struct Box {
+  Vec3d min, max;
+};
+
+// Regions of a packing.
+struct InsideWall {
+  std::string wall;  // name
+};
+struct CylinderRegion {
+  Vec3d from, to;     // middles of the ends, world [m]
+  double radius = 0;  // [m]
+};
+struct AboveWall {
+  std::string wall;                    // name
+  std::array<double, 2> min{}, max{};  // corners of a rectangle, x and y of the world [m]
+  double height = 0;                   // of the bed above the wall [m]
+};
+
+// Spheres at random places of a region, as many as `count`, `mass` or `void_fraction` say.
+struct PackingFill {
+  std::variant<InsideWall, Box, CylinderRegion, AboveWall> region;
+  std::optional<double> level;  // upper limit: distance above the world's origin, against gravity [m]
+  std::optional<double> mass;   // [kg]
+  std::optional<std::uint64_t> count;
+  std::optional<double> void_fraction;  // [-]
+  std::uint64_t seed = 1;
+};
+
+// Distributions of the sizes of spheres.
+struct ListedSizes {
+  std::vector<double> radius;         // [m]
+  std::vector<double> mass_fraction;  // [-], of each radius; the sum is 1
+};
+struct SieveCurve {
+  std::vector<double> size;     // openings, which are diameters, ascending [m]
+  std::vector<double> passing;  // cumulative mass that passes, from 0 to 1 [-]
+};
+// By number, cut off at min and max.
+struct NormalSizes {
+  double mean = 0, deviation = 0, min = 0, max = 0;  // radii [m]
+};
+struct LogNormalSizes {
+  double median = 0, min = 0, max = 0;  // radii [m]
+  double deviation = 0;                 // of the natural logarithm of the radius [-]
+};
+using Sizes = std::variant<ListedSizes, SieveCurve, NormalSizes, LogNormalSizes>;
+
 struct ParticleGroup {
   std::string name;
   MaterialId material;
-  // Uniform between the two [m]; both 0: the radii are in a FileFill's file.
+  // Uniform between the two [m]; both 0: the radii are in a FileFill's file. With `sizes` the limits of
+  // those.
   double radius_min = 0, radius_max = 0;
+  std::optional<Sizes> sizes;
   Vec3d velocity;      // initial [m/s]
   bool fixed = false;  // its spheres never move: they are walls of the ground
-  std::variant<LatticeFill, FileFill, InletFill> fill;
+  std::variant<LatticeFill, FileFill, InletFill, PackingFill, RunFill> fill;
 };
 
 struct PlaneShape {
@@ -486,7 +541,7 @@ struct HeightFieldShape {
 using Geometry = std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape, CapsuleShape,
                               ConeShape, HullShape, HeightFieldShape>;
 
-enum class ShapeUse { wall, graphics };
+enum class ShapeUse { wall, graphics, contact };
 
 // A surface or a solid on a body. Every wall of dem.walls is one, with use `wall`.
 struct Shape {
@@ -494,6 +549,7 @@ struct Shape {
   ShapeUse use = ShapeUse::wall;
   BodyId body = ground;
   std::optional<MaterialId> material;  // given for walls
+  int contact_material = -1;           // for use `contact`: index in BodyContact::materials
   std::optional<double> density;       // [kg/m3]; absent: that of the material
   Pose pose;                           // of the shape's frame in the body's frame (ground: in the world)
   Geometry geometry;
@@ -501,6 +557,37 @@ struct Shape {
   std::string path;                                 // in the file, for messages
   bool is_of_body = false;  // one of the body's `shapes`, which a mass from shapes counts; else of dem.walls
 };
+
+// ---- contact between bodies
+
+// Of a surface that bodies touch with. It has a stiffness, for all shapes, or Young's modulus and Poisson's
+// ratio, for spheres by Hertz's law.
+struct ContactMaterial {
+  std::string name;
+  std::optional<double> stiffness;  // of one point of contact [N/m]
+  double young = 0, poisson = 0;    // [Pa], [-]
+  double restitution = 1;           // [-], at least 0.01
+  double friction = 0;              // Coulomb coefficient [-]
+};
+
+// Values of a contact between two materials, in either order, in place of those that follow from the two.
+struct ContactMaterialPair {
+  int a = 0, b = 0;  // indices of the materials
+  std::optional<double> stiffness, restitution, friction;
+};
+
+struct BodyContact {
+  std::vector<ContactMaterial> materials;
+  std::vector<ContactMaterialPair> pairs;
+  std::vector<Shape> ground;                  // shapes fixed to the ground
+  std::vector<std::array<BodyId, 2>> ignore;  // bodies that pass through each other
+};
+
+// Whether a contact of these two shapes is computed, in either order.
+bool contact_is_computed(const Geometry& a, const Geometry& b);
+// Values of a pair of materials: the given ones; else a geometric mean of restitution and friction, and a
+// harmonic mean of the stiffness, where both materials have one.
+ContactMaterialPair combined(const BodyContact& contact, int a, int b);
 
 // What the particles know of a shape: its surface. Shapes that the particle solver has no surface for are
 // walls as meshes.
@@ -514,9 +601,6 @@ struct Wall {
   std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
 };
 
-struct Box {
-  Vec3d min, max;
-};
 struct HalfSpace {
   Vec3d point, normal;
 };  // beyond the plane through `point`, on the side of the unit normal
@@ -536,6 +620,12 @@ struct ParticleSensor {
   std::optional<std::size_t> flow_axis;  // of the shape's frame: the direction of flow and passed
 };
 
+// The spheres come to rest before the start, with all walls at rest.
+struct Settle {
+  double kinetic_energy = 0;  // the end: mean of the spheres below it [J]
+  double at_most = 10;        // of simulated time [s]
+};
+
 struct Dem {
   std::string server;                       // as in Mbd
   std::vector<std::string> solver_options;  // as in Mbd
@@ -553,6 +643,7 @@ struct Dem {
   std::optional<double> speed_limit;  // of spheres; windows that exceed it are counted [m/s]
   std::optional<double> skin;         // Verlet skin [m]; absent: chosen by the solver
   std::vector<ParticleGroup> particles;
+  std::optional<Settle> settle;
   std::vector<Wall> walls;
   std::vector<Outlet> outlets;
   std::vector<ParticleSensor> sensors;
@@ -594,8 +685,10 @@ struct Check {
   // Last, mean, min, max, range, period (mean distance of upward crossings of the mean).
   std::string reduce = "last";
   double from = 0, to = 0;  // [s]; to = 0 means the end
-  double expected = 0;
-  double tolerance = 0;  // relative to |expected| unless absolute
+  double expected = 0;      // with expected_of: filled in by the evaluation
+  std::string expected_of;  // another signal or number, reduced in the same way; empty: `expected` is given
+  double times = 1;         // factor of that one
+  double tolerance = 0;     // relative to |expected| unless absolute
   bool absolute = false;
   std::string why;  // the formula or the source of `expected`
 };
@@ -610,7 +703,8 @@ struct Scene {
   std::optional<Mbd> mbd;
   std::optional<Dem> dem;
   std::vector<Shape> shapes;  // those of dem.walls, then those of the bodies; dem.walls follows from them
-  bool is_plain = true;       // the text is the one for the solvers (common/scene/plain_text.hpp)
+  std::optional<BodyContact> contact;  // of mbd.contact; absent: bodies do not touch each other
+  bool is_plain = true;                // the text is the one for the solvers (common/scene/plain_text.hpp)
   Output output;
   std::vector<Check> checks;
 

@@ -23,10 +23,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-std::string suggest_name(std::string_view unknown, const std::vector<std::string>& names,
-                         std::string_view kind) {
-  if (names.empty()) return "there are no " + std::string(kind);
-
+const std::string* nearest_name(std::string_view unknown, const std::vector<std::string>& names) {
   // A name that differs in more than a third of the word is not a typing error but another word.
   constexpr std::size_t longest_compared = 256;
   const std::string* nearest = nullptr;
@@ -39,7 +36,14 @@ std::string suggest_name(std::string_view unknown, const std::vector<std::string
       nearest_distance = distance;
     }
   }
-  if (nearest) return "did you mean '" + shortened(*nearest) + "'?";
+  return nearest;
+}
+
+std::string suggest_name(std::string_view unknown, const std::vector<std::string>& names,
+                         std::string_view kind) {
+  if (names.empty()) return "there are no " + std::string(kind);
+  if (const std::string* nearest = nearest_name(unknown, names))
+    return "did you mean '" + shortened(*nearest) + "'?";
 
   constexpr std::size_t longest_list = 12;
   std::string list = "known " + std::string(kind) + ": ";

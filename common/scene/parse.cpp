@@ -79,7 +79,13 @@ Check parse_check(const Node& node) {
   node.read("reduce", check.reduce);
   node.read("from", check.from);
   node.read("to", check.to);
-  node.read("expected", check.expected);
+  if (node.value().at("expected").is_object()) {
+    const Node other = node.at("expected");
+    other.read("of", check.expected_of);
+    other.read("times", check.times);
+  } else {
+    node.read("expected", check.expected);
+  }
   node.read("tolerance", check.tolerance);
   node.read("absolute", check.absolute);
   node.read("why", check.why);
@@ -108,7 +114,8 @@ Scene parse(const std::string& text, const std::string& origin) {
   }
   parse_shapes(root, scene);
   scene.is_plain =
-      was_plain && std::none_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& shape) {
+      was_plain && std::none_of(scene.shapes.begin(), scene.shapes.end(), [&](const Shape& shape) {
+        if (shape.use == ShapeUse::contact) return scene.mbd->bodies[shape.body.value].from_shapes;
         return shape.is_of_body || is_made_of_facets(shape.geometry);
       });
   if (root.has("output")) scene.output = parse_output(root.at("output"));

@@ -22,34 +22,6 @@ Material parse_material(const Node& node) {
   return material;
 }
 
-LatticeFill parse_lattice(const Node& node) {
-  LatticeFill fill;
-  node.read("min", fill.min);
-  node.read("max", fill.max);
-  node.read("lattice", fill.lattice);
-  node.read("spacing", fill.spacing);
-  node.read("jitter", fill.jitter);
-  node.read("seed", fill.seed);
-  node.read("count", fill.count);
-  return fill;
-}
-
-InletFill parse_inlet(const Node& node) {
-  InletFill fill;
-  node.read("min", fill.min);
-  node.read("max", fill.max);
-  node.read("rate", fill.rate);
-  node.read("mass_rate", fill.mass_rate);
-  if (fill.rate.has_value() == fill.mass_rate.has_value())
-    node.fail(
-        std::string("the inlet has ") + (fill.rate ? "a rate and a mass_rate" : "neither rate nor mass_rate"),
-        "give one of them: spheres or mass per second");
-  node.read("start", fill.start);
-  node.read("count", fill.count);
-  node.read("seed", fill.seed);
-  return fill;
-}
-
 Outlet parse_outlet(const Node& node) {
   Outlet outlet;
   node.read("name", outlet.name);
@@ -90,38 +62,6 @@ ParticleSensor parse_sensor(const Node& node, const Names& bodies) {
   return sensor;
 }
 
-ParticleGroup parse_group(const Node& node, const Names& materials) {
-  ParticleGroup group;
-  node.read("name", group.name);
-  group.material = MaterialId{node.resolve("material", materials, "materials")};
-  if (node.has("radius")) {
-    const nlohmann::json& radius = node.value().at("radius");
-    group.radius_min = (radius.is_array() ? radius[0] : radius).get<double>();
-    group.radius_max = (radius.is_array() ? radius[1] : radius).get<double>();
-  }
-  node.read("velocity", group.velocity);
-  node.read("fixed", group.fixed);
-  const Node fill = node.at("fill");
-  if (group.fixed && node.has("velocity"))
-    node.fail("velocity", "the spheres of a fixed group never move", "leave out velocity, or fixed");
-  if (group.fixed && fill.type() == "inlet")
-    node.fail("fixed", "spheres that come in through an inlet move", "leave out fixed, or fill a lattice");
-  if (fill.type() != "file" && !node.has("radius"))
-    node.fail("the key 'radius' is missing", std::string("add radius: ") +
-                                                 (fill.type() == "lattice" ? "a lattice" : "an inlet") +
-                                                 " needs the radius of its spheres [m]");
-  if (fill.type() == "lattice") {
-    group.fill = parse_lattice(fill);
-  } else if (fill.type() == "inlet") {
-    group.fill = parse_inlet(fill);
-  } else {
-    FileFill file;
-    fill.read("file", file.file);
-    group.fill = file;
-  }
-  return group;
-}
-
 }  // namespace
 
 Dem parse_dem(const Node& node, const Names& bodies) {
@@ -144,6 +84,12 @@ Dem parse_dem(const Node& node, const Names& bodies) {
   node.read("skin", dem.skin);
   node.names("particles");
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));
+  if (node.has("settle")) {
+    const Node settle = node.at("settle");
+    dem.settle.emplace();
+    settle.read("kinetic_energy", dem.settle->kinetic_energy);
+    settle.read("at_most", dem.settle->at_most);
+  }
   node.names("outlets");
   for (const Node& outlet : node.elements("outlets")) dem.outlets.push_back(parse_outlet(outlet));
   node.names("sensors");

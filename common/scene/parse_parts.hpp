@@ -3,6 +3,7 @@
 
 #include "common/scene/model.hpp"
 #include "common/scene/node.hpp"
+#include "common/scene/sizes.hpp"
 
 namespace tandem::scene {
 
@@ -10,6 +11,9 @@ Mbd parse_mbd(const Node& node, const std::string& format);
 
 // Without the walls. `bodies`: names of the bodies that the domain and sensors can follow.
 Dem parse_dem(const Node& node, const Names& bodies);
+
+// A group of dem.particles.
+ParticleGroup parse_group(const Node& node, const Names& materials);
 
 // A function of time.
 Motion parse_motion(const Node& node, const std::string& format);

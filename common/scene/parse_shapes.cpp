@@ -1,4 +1,5 @@
 #include "common/scene/fault.hpp"
+#include "common/scene/nearest_name.hpp"
 #include "common/scene/parse_parts.hpp"
 #include "common/scene/shape_mesh.hpp"
 
@@ -117,11 +118,9 @@ SurfaceVelocity parse_surface_velocity(const Node& node, const std::string& form
   return surface;
 }
 
-// What walls and shapes have in common.
-Shape parse_common(const Node& node, const Names& materials) {
+Shape parse_placed(const Node& node) {
   Shape shape;
   node.read("name", shape.name);
-  if (node.has("material")) shape.material = MaterialId{node.resolve("material", materials, "materials")};
   node.read("position", shape.pose.p_WB);
   node.read("orientation", shape.pose.q_WB);
   shape.geometry = parse_geometry(node.at("shape"));
@@ -129,25 +128,90 @@ Shape parse_common(const Node& node, const Names& materials) {
   return shape;
 }
 
+// What walls and shapes have in common.
+Shape parse_common(const Node& node, const Names& materials) {
+  Shape shape = parse_placed(node);
+  if (node.has("material")) shape.material = MaterialId{node.resolve("material", materials, "materials")};
+  return shape;
+}
+
+// `surfaces`: the materials of mbd.contact.
+Shape parse_contact_shape(const Node& node, const Names& surfaces) {
+  if (!node.has("material"))
+    node.fail("the key 'material' is missing", "add material: the name of one in mbd.contact.materials");
+  Shape shape = parse_placed(node);
+  shape.use = ShapeUse::contact;
+  shape.contact_material = static_cast<int>(node.resolve("material", surfaces, "materials"));
+  return shape;
+}
+
+BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& bodies) {
+  BodyContact contact;
+  for (const Node& from : node.elements("materials")) {
+    ContactMaterial material;
+    from.read("name", material.name);
+    from.read("stiffness", material.stiffness);
+    from.read("young", material.young);
+    from.read("poisson", material.poisson);
+    from.read("restitution", material.restitution);
+    from.read("friction", material.friction);
+    if (from.has("young") != from.has("poisson"))
+      from.fail(std::string(from.has("young") ? "'young' without 'poisson'" : "'poisson' without 'young'"),
+                "give both, or the stiffness of a point of contact [N/m]");
+    if (from.has("young") == from.has("stiffness"))
+      from.fail(from.has("young") ? "the material has a stiffness and Young's modulus"
+                                  : "the material has neither a stiffness nor Young's modulus",
+                "give stiffness [N/m], or young [Pa] and poisson");
+    contact.materials.push_back(material);
+  }
+  for (const Node& from : node.elements("pairs")) {
+    ContactMaterialPair pair{static_cast<int>(from.resolve("a", surfaces, "materials")),
+                             static_cast<int>(from.resolve("b", surfaces, "materials")),
+                             {},
+                             {},
+                             {}};
+    from.read("stiffness", pair.stiffness);
+    from.read("restitution", pair.restitution);
+    from.read("friction", pair.friction);
+    for (const ContactMaterialPair& other : contact.pairs)
+      if ((other.a == pair.a && other.b == pair.b) || (other.a == pair.b && other.b == pair.a))
+        from.fail("the pair is given twice", "leave one of them out");
+    contact.pairs.push_back(pair);
+  }
+  node.names("ground");
+  for (const Node& from : node.elements("ground"))
+    contact.ground.push_back(parse_contact_shape(from, surfaces));
+  for (const Node& from : node.elements("ignore")) {
+    std::array<BodyId, 2> pair;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto name = from.value()[i].get<std::string>();
+      const auto body = bodies.index(name);
+      if (!body && name != "ground")
+        from.fail("unknown name '" + name + "'", suggest_name(name, bodies.list(), "bodies"));
+      pair[i] = body ? BodyId{*body} : ground;
+    }
+    contact.ignore.push_back(pair);
+  }
+  return contact;
+}
+
 Shape parse_body_shape(const Node& node, BodyId body, const Body& owner, bool particles,
-                       const Names& materials) {
+                       const Names& materials, const Names* surfaces) {
   const auto use = node.value().at("use").get<std::string>();
-  if (use == "contact")
-    node.fail(
-        "use", "contact between bodies is not computed in this version",
-        "give wall for the particles, or graphics; limits of joints, bushings and springs can hold bodies "
-        "apart");
   if (!particles && use == "wall")
     node.fail("use", "there are no particles to be a wall for", "give graphics, or add dem");
-  if (!particles && node.has("material"))
+  if (!particles && use != "contact" && node.has("material"))
     node.fail("material", "materials are those of dem, which the scene does not have", "give the density");
   if (use == "wall" && !node.has("material"))
     node.fail("the key 'material' is missing", "add material: a wall is in contact with particles");
+  if (use == "contact" && !surfaces)
+    node.fail("use", "the scene has no mbd.contact, which gives the materials of contacts",
+              "add mbd.contact, or give graphics");
   if (node.has("density") && !owner.from_shapes)
     node.fail("density", "the mass of '" + owner.name + "' is a number, and needs no density",
               "leave it out, or give \"mass\": \"from_shapes\"");
-  Shape shape = parse_common(node, materials);
-  shape.use = use == "wall" ? ShapeUse::wall : ShapeUse::graphics;
+  Shape shape = use == "contact" ? parse_contact_shape(node, *surfaces) : parse_common(node, materials);
+  if (use != "contact") shape.use = use == "wall" ? ShapeUse::wall : ShapeUse::graphics;
   shape.body = body;
   shape.is_of_body = true;
   node.read("density", shape.density);
@@ -189,12 +253,18 @@ void parse_shapes(const Node& root, Scene& scene) {
     }
   }
   if (!scene.mbd) return;
+  std::optional<Names> surfaces;
+  if (const Node mbd = root.at("mbd"); mbd.has("contact")) {
+    surfaces = mbd.at("contact").names("materials");
+    scene.contact = parse_contact(mbd.at("contact"), *surfaces, bodies);
+  }
   const std::vector<Node> nodes = root.at("mbd").elements("bodies");
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     if (!nodes[i].has("shapes")) continue;
     nodes[i].names("shapes");
     for (const Node& node : nodes[i].elements("shapes")) {
-      Shape shape = parse_body_shape(node, {i}, scene.mbd->bodies[i], scene.dem.has_value(), materials);
+      Shape shape = parse_body_shape(node, {i}, scene.mbd->bodies[i], scene.dem.has_value(), materials,
+                                     surfaces ? &*surfaces : nullptr);
       if (shape.use == ShapeUse::wall && !walls.add(shape.name))
         node.fail("name", "the name '" + shape.name + "' is that of another wall", "choose another name");
       add(node, std::move(shape));

@@ -13,8 +13,8 @@ namespace tandem::scene {
 
 namespace {
 
-const std::vector<std::string> known_columns{"x", "y", "z", "radius", "vx", "vy", "vz"};
-constexpr std::size_t radius_column = 3, velocity_column = 4;
+const std::vector<std::string> known_columns{"x", "y", "z", "radius", "vx", "vy", "vz", "wx", "wy", "wz"};
+constexpr std::size_t radius_column = 3, velocity_column = 4, spin_column = 7;
 
 std::string_view trimmed(std::string_view field) {
   const auto first = field.find_first_not_of(" \t");
@@ -34,7 +34,7 @@ std::vector<std::string_view> split(std::string_view line) {
 
 // Index of each known column in the lines of the file, or `absent`.
 constexpr std::size_t absent = static_cast<std::size_t>(-1);
-using Header = std::array<std::size_t, 7>;
+using Header = std::array<std::size_t, 10>;
 
 Header read_header(const std::vector<std::string_view>& fields, const std::string& origin) {
   Header header;
@@ -49,13 +49,18 @@ Header read_header(const std::vector<std::string_view>& fields, const std::strin
       fail(origin, "line 1", "the column '" + *known + "' is given twice", "keep one of them");
     place = i;
   }
-  const bool any_velocity = std::any_of(header.begin() + velocity_column, header.end(),
-                                        [](std::size_t place) { return place != absent; });
+  const auto any_of = [&](std::size_t first) {
+    return std::any_of(header.begin() + first, header.begin() + first + 3,
+                       [](std::size_t place) { return place != absent; });
+  };
+  const bool any_velocity = any_of(velocity_column), any_spin = any_of(spin_column);
   for (std::size_t column = 0; column < header.size(); ++column) {
-    const bool needed = column < radius_column || (column >= velocity_column && any_velocity);
+    const bool needed = column < radius_column ||
+                        (column >= velocity_column && column < spin_column && any_velocity) ||
+                        (column >= spin_column && any_spin);
     if (needed && header[column] == absent)
       fail(origin, "line 1", "the column '" + known_columns[column] + "' is missing",
-           "the header is x,y,z[,radius][,vx,vy,vz]");
+           "the header is x,y,z[,radius][,vx,vy,vz][,wx,wy,wz]");
   }
   return header;
 }
@@ -109,10 +114,39 @@ ParticleFile read_particle_file(const std::string& text, const std::string& orig
     if (header[velocity_column] != absent)
       file.velocities.push_back(
           {number(velocity_column), number(velocity_column + 1), number(velocity_column + 2)});
+    if (header[spin_column] != absent)
+      file.spins.push_back({number(spin_column), number(spin_column + 1), number(spin_column + 2)});
   }
   if (file.positions.empty())
     fail(origin, "", "the file holds no sphere", "a header x,y,z and one line per sphere");
   return file;
+}
+
+std::string particle_file_text(const ParticleFile& file) {
+  const bool radii = !file.radii.empty(), velocities = !file.velocities.empty(), spins = !file.spins.empty();
+  std::string all = "x,y,z";
+  if (radii) all += ",radius";
+  if (velocities) all += ",vx,vy,vz";
+  if (spins) all += ",wx,wy,wz";
+  const auto add = [&all](double value, char before) {
+    char digits[32];
+    const auto end = std::to_chars(std::begin(digits), std::end(digits), value).ptr;
+    all += before;
+    all.append(digits, end);
+  };
+  const auto add_vector = [&](Vec3d v, char before) {
+    add(v.x, before);
+    add(v.y, ',');
+    add(v.z, ',');
+  };
+  for (std::size_t i = 0; i < file.positions.size(); ++i) {
+    add_vector(file.positions[i], '\n');
+    if (radii) add(file.radii[i], ',');
+    if (velocities) add_vector(file.velocities[i], ',');
+    if (spins) add_vector(file.spins[i], ',');
+  }
+  all += '\n';
+  return all;
 }
 
 }  // namespace tandem::scene

@@ -55,6 +55,10 @@ class PlainForm {
                  "the speed of a surface is no angle");
     });
     each("dem", "sensors", [&](json& sensor, const std::string& path) { orientation(sensor, path); });
+    if (document_.contains("mbd") && document_["mbd"].contains("contact"))
+      if (json& contact = document_["mbd"]["contact"]; contact.contains("ground"))
+        for (std::size_t i = 0; i < contact["ground"].size(); ++i)
+          orientation(contact["ground"][i], element("mbd.contact.ground", i));
     place();
     return changed_;
   }
@@ -134,6 +138,11 @@ class PlainForm {
       if (joint["name"] == over["joint"] && joint["type"] == "prismatic")
         refusal = "the coordinate of a prismatic joint is a length";
     });
+    if (!refusal && over.contains("arguments_deg"))
+      validate_curve_arguments(
+          over["arguments_deg"],
+          over.contains("period_deg") ? std::optional<double>(over["period_deg"]) : std::nullopt,
+          AngleUnit::degrees, origin_, path);
     for (const char* key : {"arguments", "period", "offset"}) in_radians(over, path, key, refusal);
     need(over, path, "arguments", "increasing coordinates [rad] or [m], or rates [rad/s] or [m/s]");
     if (!over.contains("offset")) return;

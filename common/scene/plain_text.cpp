@@ -36,6 +36,15 @@ json wall_entry(const Shape& shape, const json& source, const Scene& scene, bool
   return wall;
 }
 
+// The shape of a body that touches others, of which the solver needs no density.
+json contact_entry(const Shape& shape, const json& source) {
+  json entry = source;
+  entry.erase("density");
+  entry["position"] = numbers(shape.pose.p_WB);
+  entry["orientation"] = numbers(shape.pose.q_WB);
+  return entry;
+}
+
 }  // namespace
 
 std::string plain_text(const std::string& text, const Scene& scene, const std::string& origin) {
@@ -69,6 +78,9 @@ std::string plain_text(const std::string& text, const Scene& scene, const std::s
           wall_entry(shape, sources.at(i), scene, shape.body != ground && shaped[shape.body.value]));
   }
   if (!walls.empty()) document["dem"]["walls"] = std::move(walls);
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i)
+    if (const Shape& shape = scene.shapes[i]; shape.use == ShapeUse::contact)
+      document["mbd"]["bodies"][shape.body.value]["shapes"].push_back(contact_entry(shape, sources.at(i)));
   return document.dump(2);
 }
 

@@ -7,8 +7,9 @@
 
 namespace tandem::scene {
 
-// In the plain form, with masses as numbers and without shapes; those that are walls are in dem.walls, as
-// meshes where the particles know no surface of their kind. `scene` is that of `text`, its masses known.
+// In the plain form, with masses as numbers and without shapes but those of contact between bodies; those
+// that are walls are in dem.walls, as meshes where the particles know no surface of their kind. `scene` is
+// that of `text`, its masses known.
 std::string plain_text(const std::string& text, const Scene& scene, const std::string& origin);
 
 // For programs that receive that text: refuses a scene with a mass that is not known yet.

@@ -23,6 +23,25 @@ bool has_traffic(const Scene& scene) {
          });
 }
 
+bool is_packed(const ParticleGroup& group) {
+  return std::holds_alternative<PackingFill>(group.fill);
+}
+bool is_placed(const ParticleGroup& group, bool settles) {
+  const bool moves = !group.fixed && !std::holds_alternative<InletFill>(group.fill);
+  return is_packed(group) || std::holds_alternative<RunFill>(group.fill) || (settles && moves);
+}
+bool has_settled(const Scene& scene) {
+  return scene.dem && scene.dem->settle;
+}
+bool has_packing(const Scene& scene) {
+  return scene.dem && std::ranges::any_of(scene.dem->particles, is_packed);
+}
+bool has_placed(const Scene& scene) {
+  return scene.dem && std::ranges::any_of(scene.dem->particles, [&](const ParticleGroup& group) {
+           return is_placed(group, has_settled(scene));
+         });
+}
+
 bool has_belts(const Scene& scene) {
   return scene.dem && std::ranges::any_of(scene.dem->walls,
                                           [](const Wall& wall) { return wall.surface_velocity.has_value(); });
@@ -34,6 +53,9 @@ const Runs mbd{[](const Scene& scene) { return scene.mbd.has_value(); }, "scenes
 const Runs dem{[](const Scene& scene) { return scene.dem.has_value(); }, "scenes with 'dem'"};
 const Runs coupled{[](const Scene& scene) { return scene.mbd && scene.dem; }, "scenes with 'mbd' and 'dem'"};
 const Runs traffic{has_traffic, "scenes with inlets or outlets"};
+const Runs placed{has_placed, "scenes with a packing, a fill from a run or settle"};
+const Runs packed{has_packing, "scenes with a packing"};
+const Runs settled{has_settled, "scenes with dem.settle"};
 const Runs belts{has_belts, "scenes with walls that have a surface_velocity"};
 const Runs elements{[](const Scene& scene) { return !elements_of(scene).empty(); },
                     "scenes with forces, couplers or driven joints"};
@@ -64,6 +86,12 @@ std::vector<std::string> names_of(const std::string& word, const Scene& scene) {
   if (word == "INLET" && scene.dem)
     for (const ParticleGroup& group : scene.dem->particles)
       if (std::holds_alternative<InletFill>(group.fill)) names.push_back(group.name);
+  if (word == "FILL" && scene.dem)
+    for (const ParticleGroup& group : scene.dem->particles)
+      if (is_placed(group, has_settled(scene))) names.push_back(group.name);
+  if (word == "PACKING" && scene.dem)
+    for (const ParticleGroup& group : scene.dem->particles)
+      if (is_packed(group)) names.push_back(group.name);
   if (word == "OUTLET" && scene.dem)
     for (const Outlet& outlet : scene.dem->outlets) names.push_back(outlet.name);
   if (word == "COLUMN") return element_columns(scene);
@@ -81,7 +109,8 @@ std::vector<std::string> summary_keys(const Scene& scene) {
   for (const Key& key : table()) {
     if (!key.runs.of(scene)) continue;
     std::size_t at = std::string::npos;
-    for (const std::string word : {"BODY", "INLET", "OUTLET", "WALL", "COLUMN", "SENSED"}) {
+    for (const std::string word :
+         {"BODY", "INLET", "FILL", "PACKING", "OUTLET", "WALL", "COLUMN", "SENSED"}) {
       at = key.text.find("." + word);
       if (at == std::string::npos) continue;
       for (const std::string& name : names_of(word, scene))

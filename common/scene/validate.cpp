@@ -119,15 +119,27 @@ void validate_column(const std::string& signal, const Scene& scene, const std::s
   const std::vector<std::string> columns = all_columns(scene);
   if (std::find(columns.begin(), columns.end(), signal) != columns.end()) return;
 
-  std::vector<std::string> owners, own_columns;
-  for (const std::string& column : columns) {
+  std::vector<std::string> owners;
+  for (const std::string& column : columns)
     if (std::find(owners.begin(), owners.end(), owner(column)) == owners.end())
       owners.push_back(owner(column));
-    if (owner(column) == owner(signal)) own_columns.push_back(column);
+  const auto columns_of = [&](const std::string& name) {
+    std::vector<std::string> own;
+    std::copy_if(columns.begin(), columns.end(), std::back_inserter(own),
+                 [&](const std::string& column) { return owner(column) == name; });
+    return own;
+  };
+  const std::vector<std::string> own_columns = columns_of(owner(signal));
+  std::string hint = own_columns.empty()
+                         ? suggest_name(owner(signal), owners, "bodies, joints, elements and sensors")
+                         : suggest_name(signal, own_columns, "signals");
+  // Of a misspelt owner, its column where there is one.
+  if (const std::string* meant = own_columns.empty() ? nearest_name(owner(signal), owners) : nullptr) {
+    const std::string corrected = *meant + signal.substr(owner(signal).size());
+    if (nearest_name(corrected, columns_of(*meant)))
+      hint = suggest_name(corrected, columns_of(*meant), "signals");
   }
-  fail(origin, path, "unknown signal '" + shortened(signal) + "'",
-       own_columns.empty() ? suggest_name(owner(signal), owners, "bodies, joints, elements and sensors")
-                           : suggest_name(signal, own_columns, "signals"));
+  fail(origin, path, "unknown signal '" + shortened(signal) + "'", hint);
 }
 
 // Whether the text is the pattern with some characters in place of each *.
@@ -182,6 +194,7 @@ void validate_signal(const std::string& signal, const Scene& scene, const std::s
 void validate_check(const Check& check, const Scene& scene, const std::string& origin,
                     const std::string& path) {
   validate_signal(check.of, scene, origin, path + ".of");
+  if (!check.expected_of.empty()) validate_signal(check.expected_of, scene, origin, path + ".expected.of");
   if (check.to > scene.end_time)
     fail(origin, path + ".to",
          text(check.to) + " s is after the end of the run at " + text(scene.end_time) + " s",
@@ -191,7 +204,7 @@ void validate_check(const Check& check, const Scene& scene, const std::string& o
     fail(origin, path + ".from",
          text(check.from) + " s is not before the end of the part at " + text(end) + " s",
          "give a shorter time");
-  if (!check.absolute && check.expected == 0)
+  if (!check.absolute && check.expected_of.empty() && check.expected == 0)
     fail(origin, path + ".tolerance", "the tolerance is relative to an expected value of 0",
          "add \"absolute\": true");
 }
@@ -234,6 +247,7 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, scene.end_time, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);
+  validate_fills(scene, origin);
   validate_shapes(scene, origin);
   if (scene.dem && scene.dem->follows) validate_moving_domain(scene, origin);
   if (scene.dem) validate_particle_sensors(scene, origin);

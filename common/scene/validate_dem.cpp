@@ -101,7 +101,7 @@ void validate_groups(const Dem& dem, const std::string& origin) {
   for (std::size_t i = 0; i < dem.particles.size(); ++i) {
     const ParticleGroup& group = dem.particles[i];
     const std::string path = element("dem.particles", i);
-    if (group.radius_max < group.radius_min)
+    if (!group.sizes && group.radius_max < group.radius_min)
       fail(origin, path + ".radius",
            "the largest radius of " + text(group.radius_max) + " m is below the smallest of " +
                text(group.radius_min) + " m",

@@ -32,10 +32,10 @@ void validate_particles(const Dem& dem, std::size_t index, const std::filesystem
   if (norm(group.velocity) > 0 && !particles.velocities.empty())
     fail(origin, path + ".velocity", "the velocity is given here and in " + file.string(),
          "keep one of them");
-  if (group.fixed && !particles.velocities.empty())
+  if (group.fixed && !(particles.velocities.empty() && particles.spins.empty()))
     fail(origin, path + ".fixed",
          "the spheres of a fixed group never move, and " + file.string() + " gives velocities",
-         "leave out its columns vx,vy,vz, or fixed");
+         "leave out its columns vx,vy,vz and wx,wy,wz, or fixed");
   if (group.fixed) return;  // walls may be anywhere
 
   for (std::size_t i = 0; i < particles.positions.size(); ++i) {

@@ -100,7 +100,6 @@ void validate_joints(const Mbd& mbd, double end_time, const std::string& origin)
   validate_connections(mbd, origin);
 }
 
-// A table with a period covers one.
 void validate_curve(const std::vector<double>& arguments, const std::vector<double>& values,
                     const std::optional<double>& period, bool closes, const std::string& origin,
                     const std::string& path) {
@@ -108,18 +107,8 @@ void validate_curve(const std::vector<double>& arguments, const std::vector<doub
     fail(origin, path + ".values",
          std::to_string(values.size()) + " values for " + std::to_string(arguments.size()) + " arguments",
          "give one value for each argument");
-  for (std::size_t k = 1; k < arguments.size(); ++k)
-    if (!(arguments[k] > arguments[k - 1]))
-      fail(origin, element(path + ".arguments", k),
-           text(arguments[k]) + " does not come after " + text(arguments[k - 1]), "arguments must increase");
-  if (!period) return;
-  const double range = arguments.back() - arguments.front();
-  constexpr double rounding = 1e-6;
-  if (std::abs(range - *period) > rounding * *period)
-    fail(origin, path + ".period",
-         "the arguments cover " + text(range) + ", and the period is " + text(*period),
-         "let the table begin and end one period apart");
-  if (closes && values.front() != values.back())
+  validate_curve_arguments(arguments, period, AngleUnit::radians, origin, path);
+  if (period && closes && values.front() != values.back())
     fail(origin, path + ".values",
          "the last value, " + text(values.back()) + ", differs from the first, " + text(values.front()),
          "both are at the same place of the period: give the same value");
@@ -315,6 +304,24 @@ void validate_force(const Rope& rope, const Mbd& mbd, double, const std::string&
 
 }  // namespace
 
+void validate_curve_arguments(const std::vector<double>& arguments, const std::optional<double>& period,
+                              AngleUnit unit, const std::string& origin, const std::string& path) {
+  const bool degrees = unit == AngleUnit::degrees;
+  const std::string suffix = degrees ? "_deg" : "", symbol = degrees ? " deg" : "";
+  for (std::size_t k = 1; k < arguments.size(); ++k)
+    if (!(arguments[k] > arguments[k - 1]))
+      fail(origin, element(path + ".arguments" + suffix, k),
+           text(arguments[k]) + symbol + " does not come after " + text(arguments[k - 1]) + symbol,
+           "arguments must increase");
+  if (!period) return;
+  const double range = arguments.back() - arguments.front();
+  constexpr double rounding = 1e-6;
+  if (std::abs(range - *period) > rounding * *period)
+    fail(origin, path + ".period" + suffix,
+         "the arguments cover " + text(range) + symbol + ", and the period is " + text(*period) + symbol,
+         "let the table begin and end one period apart");
+}
+
 void validate_mbd(const Mbd& mbd, double window, double end_time, const std::string& origin) {
   validate_bodies(mbd, origin);
   validate_joints(mbd, end_time, origin);
@@ -325,12 +332,12 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
         mbd.forces[i]);
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
     for (std::size_t i = 0; i < mbd.forces.size(); ++i)
-      if (std::holds_alternative<Motor>(mbd.forces[i]) || std::holds_alternative<Cylinder>(mbd.forces[i]))
-        fail(
-            origin, "mbd.integrator.method",
-            "'dormand_prince' does not integrate the pressures and controllers of motors and cylinders, as " +
-                element("mbd.forces", i) + " is one",
-            "leave out method, which is then generalized_alpha");
+      if (const auto* motor = std::get_if<Motor>(&mbd.forces[i]);
+          motor && motor->brake && motor->brake->breakaway)
+        fail(origin, "mbd.integrator.method",
+             "'dormand_prince' does not hold a joint at rest, as the breakaway of " +
+                 element("mbd.forces", i) + ".brake asks",
+             "leave out method, which is then generalized_alpha, or give the brake a slip");
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
     for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
       const Joint& joint = mbd.joints[i];

@@ -1,7 +1,9 @@
 // The parts of validate(), by JSON object. `origin` names the file in errors.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/scene/fault.hpp"
 #include "common/scene/model.hpp"
@@ -18,6 +20,11 @@ void validate_force(const Cylinder& cylinder, const Mbd& mbd, double end_time, c
                     const std::string& path);
 // A table of a force has one value for each argument, and its arguments increase.
 void validate_arguments(const ForceTable& table, const std::string& origin, const std::string& path);
+// The same of a function of a joint coordinate, whose table covers its period. `unit`: of all of them, that
+// of the scene, for the messages.
+enum class AngleUnit { radians, degrees };
+void validate_curve_arguments(const std::vector<double>& arguments, const std::optional<double>& period,
+                              AngleUnit unit, const std::string& origin, const std::string& path);
 void validate_dem(const Dem& dem, double window, const std::string& origin);
 
 // Shapes of bodies, and masses that follow from them.
@@ -25,6 +32,9 @@ void validate_shapes(const Scene& scene, const std::string& origin);
 
 // Refuses two walls that coincide in whole or in part: spheres would be in contact with both.
 void validate_walls(const Scene& scene, const std::string& origin);
+
+// Sizes of spheres, and fills that are placed before the start.
+void validate_fills(const Scene& scene, const std::string& origin);
 
 // The requirements of a domain that follows a body.
 void validate_moving_domain(const Scene& scene, const std::string& origin);

@@ -20,9 +20,100 @@ std::string why_without_volume(const Geometry& geometry) {
   return {};
 }
 
+// Contact between bodies: what is not computed is refused.
+void validate_contact(const Scene& scene, const std::string& origin) {
+  if (!scene.contact) return;
+  const BodyContact& contact = *scene.contact;
+  const Mbd& mbd = *scene.mbd;
+  if (!mbd.server.empty())
+    fail(origin, "mbd.contact",
+         "contact between bodies is computed by our own solver only, and mbd.server is another",
+         "leave out mbd.contact or mbd.server");
+  if (mbd.integrator.method == IntegrationMethod::dormand_prince)
+    fail(origin, "mbd.integrator.method", "'dormand_prince' does not compute the contacts of mbd.contact",
+         "leave out method, which is then generalized_alpha");
+  if (mbd.integrator.extrapolate)
+    fail(origin, "mbd.integrator.extrapolate", "contacts begin at other times in each of the two runs",
+         "leave out extrapolate or mbd.contact");
+  if (mbd.start == Start::equilibrium)
+    fail(origin, "mbd.start", "the search for the equilibrium knows no contacts between bodies",
+         "leave out start, and let the bodies come to rest in a run");
+  std::vector<const Shape*> shapes;
+  for (const Shape& shape : contact.ground) shapes.push_back(&shape);
+  for (const Shape& shape : scene.shapes)
+    if (shape.use == ShapeUse::contact) shapes.push_back(&shape);
+  for (const Shape* shape : shapes) {
+    require_unit(shape->pose.q_WB, origin, shape->path + ".orientation");
+    const std::string at = shape->path + ".shape";
+    if (const auto* plane = std::get_if<PlaneShape>(&shape->geometry))
+      require_unit(plane->normal, origin, at + ".normal");
+    if (const auto* box = std::get_if<BoxShape>(&shape->geometry); box && !box->open.empty())
+      fail(origin, at + ".open", "a box with open faces is a surface, and contact is that of a solid",
+           "leave out open");
+    if (const auto* hull = std::get_if<HullShape>(&shape->geometry); hull && !hull->file.empty())
+      fail(origin, at + ".file", "contact with a hull from a file is not computed in this version",
+           "give points");
+    if (const auto* capsule = std::get_if<CapsuleShape>(&shape->geometry); capsule && capsule->segments)
+      fail(origin, at + ".segments", "contact is that of the round capsule", "leave out segments");
+    if (!contact_is_computed(shape->geometry, PlaneShape{}) &&
+        !std::holds_alternative<PlaneShape>(shape->geometry))
+      fail(origin, at, "contact of a " + name_of(shape->geometry) + " is not computed in this version",
+           "use a sphere, a capsule, a box, a convex_hull or a plane");
+  }
+  const auto of = [&](const Shape& shape) {
+    return "the " + name_of(shape.geometry) + " '" + shape.name + "' of '" + scene.body_name(shape.body) +
+           "'";
+  };
+  const auto joined = [&](BodyId a, BodyId b) {
+    return a != ground && b != ground &&
+           std::any_of(mbd.joints.begin(), mbd.joints.end(), [&](const Joint& joint) {
+             return joint.type != JointType::free &&
+                    ((joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a));
+           });
+  };
+  std::size_t moving = 0;
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    for (std::size_t k = i + 1; k < shapes.size(); ++k) {
+      const Shape &a = *shapes[i], &b = *shapes[k];
+      if (a.body == b.body || joined(a.body, b.body)) continue;
+      const bool ignored = std::any_of(contact.ignore.begin(), contact.ignore.end(), [&](const auto& pair) {
+        return (pair[0] == a.body && pair[1] == b.body) || (pair[0] == b.body && pair[1] == a.body);
+      });
+      if (ignored) continue;
+      if (!contact_is_computed(a.geometry, b.geometry))
+        fail(origin, b.path + ".shape",
+             "the contact of " + of(b) + " with " + of(a) + " is not computed in this version",
+             "add their bodies to mbd.contact.ignore, or use spheres: a sphere touches planes, spheres, "
+             "capsules and "
+             "boxes, and a plane touches all but planes");
+      const ContactMaterialPair pair = combined(contact, a.contact_material, b.contact_material);
+      const auto is_round = [](const Shape& shape) {
+        return std::holds_alternative<SphereShape>(shape.geometry) ||
+               std::holds_alternative<PlaneShape>(shape.geometry);
+      };
+      const auto& one = contact.materials[static_cast<std::size_t>(a.contact_material)];
+      const auto& two = contact.materials[static_cast<std::size_t>(b.contact_material)];
+      if (!pair.stiffness && (one.stiffness || two.stiffness))
+        fail(origin, b.path + ".material",
+             "'" + one.name + "' and '" + two.name +
+                 "' touch, and one has a stiffness, the other Young's modulus",
+             "give the pair a stiffness in mbd.contact.pairs");
+      if (!pair.stiffness && !(is_round(a) && is_round(b)))
+        fail(origin, b.path + ".material",
+             "the contact of " + of(b) + " with " + of(a) + " has no curvature for Hertz's law",
+             "give their materials a stiffness [N/m] in place of young and poisson");
+      moving += a.body != ground && b.body != ground;
+      if (constexpr std::size_t most = 1000; moving > most)
+        fail(origin, "mbd.contact",
+             "more than 1000 pairs of shapes of moving bodies may touch, which this version does not compute",
+             "add pairs that do not touch to mbd.contact.ignore");
+    }
+}
+
 }  // namespace
 
 void validate_shapes(const Scene& scene, const std::string& origin) {
+  validate_contact(scene, origin);
   for (const Shape& shape : scene.shapes) {
     if (!shape.is_of_body) continue;  // checked as walls
     const Body& body = scene.mbd->bodies[shape.body.value];

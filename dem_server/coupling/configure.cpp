@@ -30,7 +30,7 @@ Spheres to_spheres(const Fill& fill) {
   const std::size_t n = fill.position.size();
   s.position = fill.position;
   s.velocity = fill.velocity;
-  s.spin.resize(n);
+  s.spin = fill.spin;
   s.radius = fill.radius;
   s.material = fill.material;
   for (std::size_t i = 0; i < n; ++i) s.id.push_back(static_cast<std::uint32_t>(i));

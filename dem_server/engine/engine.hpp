@@ -107,6 +107,7 @@ struct RegionSums {
   std::uint64_t count = 0;
   double mass = 0;            // [kg]
   double volume = 0;          // [m3]
+  Vec3d moment;               // sum of mass times position [kg m]
   Vec3d momentum;             // [kg m/s]
   double kinetic_energy = 0;  // [J]
   double flow_momentum = 0;   // relative to the region, along `flow` [kg m/s]

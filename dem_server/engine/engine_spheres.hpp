@@ -145,14 +145,17 @@ const std::vector<RegionSums>& EngineOf<Exec, Law, Real>::measure(std::span<cons
   exec_.download(totals, std::span<std::int64_t>(fixed));
   for (std::size_t k = 0; k < regions.size(); ++k) {
     const std::int64_t* sum = fixed.data() + k * region_total_count;
-    sums[k] = {.count = static_cast<std::uint64_t>(sum[contact_entries]),
-               .mass = from_fixed(sum[total_mass], quanta_.mass),
-               .volume = from_fixed(sum[region_volume], quanta_.volume),
-               .momentum = momentum_in(sum),
-               .kinetic_energy = with_rest(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy),
-               .flow_momentum = with_rest(sum[flow_momentum], sum[flow_momentum_rest], quanta_.momentum)};
+    sums[k] = {
+        .count = static_cast<std::uint64_t>(sum[contact_entries]),
+        .mass = from_fixed(sum[total_mass], quanta_.mass),
+        .volume = from_fixed(sum[region_volume], quanta_.volume),
+        .moment = {from_fixed(sum[moment_x], quanta_.momentum), from_fixed(sum[moment_y], quanta_.momentum),
+                   from_fixed(sum[moment_z], quanta_.momentum)},
+        .momentum = momentum_in(sum),
+        .kinetic_energy = with_rest(sum[kinetic_energy], sum[kinetic_energy_rest], quanta_.energy),
+        .flow_momentum = with_rest(sum[flow_momentum], sum[flow_momentum_rest], quanta_.momentum)};
   }
-  return sums;
+  return measured_.sums;  // nvcc takes a name of the structured binding for a local variable
 }
 
 template <BackEnd Exec, class Law, class Real>

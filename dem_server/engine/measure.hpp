@@ -10,6 +10,9 @@ namespace tandem::dem {
 // The sums of a region: those of Total, of which contact_entries counts spheres, and these.
 enum RegionTotal {
   region_volume = total_count,
+  moment_x,
+  moment_y,
+  moment_z,
   flow_momentum,
   flow_momentum_rest,
   region_total_count,
@@ -43,6 +46,8 @@ struct Measure {
     const double energy = 0.5 * (inertia.mass * norm2(v) + w2 / inertia.inverse_moment);
     tally.add_total(contact_entries, 1);
     tally.add_total(total_mass, to_fixed(inertia.mass, quanta.mass));
+    // Positions are within the range of velocities, so that the quantum of momentum is fine enough.
+    for (int a = 0; a < 3; ++a) tally.add_total(moment_x + a, to_fixed(inertia.mass * x[a], quanta.momentum));
     tally.add_total(region_volume, to_fixed(volume_of_ball * (radius * radius * radius), quanta.volume));
     if (!(energy * quanta.energy.inverse < 0x1p61)) return;  // ends the run in the next step, see Account
     add_momentum(inertia.mass * v, quanta.momentum, tally);

@@ -31,9 +31,13 @@ std::string percent_of_radius(double overlap, double ratio) {
   return text;
 }
 
-// The largest overlap found so far; of equal ones, the first.
+double accepted_overlap(const Fill& fill, std::size_t sphere) {
+  return fill.accepted_overlap.empty() ? start_overlap_limit : fill.accepted_overlap[fill.group[sphere]];
+}
+
+// The largest overlap beyond the accepted ones found so far; of equal ones, the first.
 struct Worst {
-  double ratio = start_overlap_limit, overlap = 0;
+  double ratio = 0, overlap = 0;
   std::size_t i = 0, j = 0;
   bool found = false;
 };
@@ -53,6 +57,12 @@ Worst worst_of(std::size_t n, ThreadPool& threads, Look look) {
   return worst;
 }
 
+// Of overlaps in a bed under its load; otherwise `remedy`.
+std::string remedy_of(const Fill& fill, std::size_t i, std::size_t j, const std::string& remedy) {
+  const double accepted = std::min(accepted_overlap(fill, i), accepted_overlap(fill, j));
+  return accepted > start_overlap_limit ? "use a stiffer material, or a larger dem.overlap_limit" : remedy;
+}
+
 void check_spheres(const Fill& fill, const scene::Dem& dem, ThreadPool& threads) {
   const SphereCells cells(fill, periods_of(dem));
   const Worst worst = worst_of(fill.position.size(), threads, [&](std::size_t i, Worst& found) {
@@ -62,7 +72,8 @@ void check_spheres(const Fill& fill, const scene::Dem& dem, ThreadPool& threads)
       if (distance2 >= reach * reach) return;
       const double overlap = reach - std::sqrt(distance2),
                    ratio = overlap / std::min(fill.radius[i], fill.radius[j]);
-      if (ratio > found.ratio) found = {ratio, overlap, i, j, true};
+      if (ratio > found.ratio && ratio > std::min(accepted_overlap(fill, i), accepted_overlap(fill, j)))
+        found = {ratio, overlap, i, j, true};
     });
   });
   if (!worst.found) return;
@@ -70,8 +81,9 @@ void check_spheres(const Fill& fill, const scene::Dem& dem, ThreadPool& threads)
   fail(fill, dem, worst.i,
        sphere_at(fill, worst.i) + " overlaps " + sphere_at(fill, worst.j) + " of '" + other + "' " +
            percent_of_radius(worst.overlap, worst.ratio) + " of the smaller",
-       fill.group[worst.i] == fill.group[worst.j] ? "move the spheres apart in the file"
-                                                  : "move the fills of the two groups apart");
+       remedy_of(fill, worst.i, worst.j,
+                 fill.group[worst.i] == fill.group[worst.j] ? "move the spheres apart in the file"
+                                                            : "move the fills of the two groups apart"));
 }
 
 void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& scene, ThreadPool& threads) {
@@ -81,7 +93,8 @@ void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& s
     const Pose pose = start_pose(surface.boundary_bodies[body], scene);
     const Worst of_body = worst_of(fill.position.size(), threads, [&](std::size_t i, Worst& found) {
       for_wall_overlaps(fill, i, surface, body, pose, [&](const WallContact& contact, Vec3d, double ratio) {
-        if (ratio > found.ratio) found = {ratio, -contact.gap, i, contact.patch, true};
+        if (ratio > found.ratio && ratio > accepted_overlap(fill, i))
+          found = {ratio, -contact.gap, i, contact.patch, true};
       });
     });
     if (of_body.ratio > worst.ratio) worst = of_body;
@@ -91,7 +104,7 @@ void check_walls(const Fill& fill, const Surface& surface, const scene::Scene& s
        sphere_at(fill, worst.i) + " overlaps " +
            patch_name(surface, static_cast<std::uint32_t>(worst.j), dem) + " " +
            percent_of_radius(worst.overlap, worst.ratio),
-       "move the fill or the wall so that no sphere starts in it");
+       remedy_of(fill, worst.i, worst.i, "move the fill or the wall so that no sphere starts in it"));
 }
 
 // The end points of a facet; none for an unbounded one.

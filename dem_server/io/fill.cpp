@@ -20,14 +20,16 @@ void reserve_more(Fill& fill, std::size_t spheres) {
   const std::size_t n = fill.position.size() + spheres;
   fill.position.reserve(n);
   fill.velocity.reserve(n);
+  fill.spin.reserve(n);
   fill.radius.reserve(n);
   fill.material.reserve(n);
   fill.group.reserve(n);
 }
 void append(Fill& fill, const scene::ParticleGroup& group, std::size_t index, Vec3d position, double radius,
-            Vec3d velocity) {
+            Vec3d velocity, Vec3d spin = {}) {
   fill.position.push_back(position);
   fill.velocity.push_back(velocity);
+  fill.spin.push_back(spin);
   fill.radius.push_back(radius);
   fill.material.push_back(group.material.value);
   fill.group.push_back(static_cast<std::uint32_t>(index));
@@ -66,7 +68,7 @@ void add_lattice(Fill& fill, const scene::ParticleGroup& group, std::size_t inde
 }
 
 void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
-              const std::vector<NamedParticles>& files) {
+              const std::vector<NamedParticles>& files, double overlap_limit) {
   const auto named =
       std::find_if(files.begin(), files.end(), [&](const auto& f) { return f.group == group.name; });
   if (named == files.end()) {
@@ -74,22 +76,25 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
          "the coordinator sends one for each group with a file");
   }
   const scene::ParticleFile& file = named->file;
-  const bool radii = !file.radii.empty(), velocities = !file.velocities.empty();
-  if (group.fixed && velocities)
+  const bool radii = !file.radii.empty(), velocities = !file.velocities.empty(), spins = !file.spins.empty();
+  if (group.fixed && (velocities || spins))
     fail(index, group, "the spheres of a fixed group never move, and its file gives velocities",
-         "leave out its columns vx,vy,vz, or fixed");
+         "leave out its columns vx,vy,vz and wx,wy,wz, or fixed");
   if (!radii && !(group.radius_min > 0)) {
     fail(index, group, "neither the group nor its file gives a radius", "add radius [m]");
   }
   if ((radii && file.radii.size() != file.positions.size()) ||
-      (velocities && file.velocities.size() != file.positions.size())) {
+      (velocities && file.velocities.size() != file.positions.size()) ||
+      (spins && file.spins.size() != file.positions.size())) {
     fail(index, group, "the columns of the particle file differ in length", "send the file again");
   }
   reserve_more(fill, file.positions.size());
+  if (spins) fill.accepted_overlap[index] = std::max(start_overlap_limit, overlap_limit);
   Random random(1);  // a file has no seed; used where radius is a range
   for (std::size_t i = 0; i < file.positions.size(); ++i) {
     const double radius = radii ? file.radii[i] : random.uniform(group.radius_min, group.radius_max);
-    append(fill, group, index, file.positions[i], radius, velocities ? file.velocities[i] : group.velocity);
+    append(fill, group, index, file.positions[i], radius, velocities ? file.velocities[i] : group.velocity,
+           spins ? file.spins[i] : Vec3d{});
   }
 }
 
@@ -97,12 +102,19 @@ void add_file(Fill& fill, const scene::ParticleGroup& group, std::size_t index,
 Fill make_groups(const scene::Scene& scene, const std::vector<NamedParticles>& files, bool fixed) {
   Fill fill;
   const auto& groups = scene.dem.value().particles;
+  if (scene.dem->settle)
+    throw Error(ErrorCode::scene, "the bed has not settled yet, which this program does not do", "dem.settle",
+                "send the scene in the plain form, as tandem does");
+  fill.accepted_overlap.assign(groups.size(), start_overlap_limit);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (groups[i].fixed != fixed) continue;
     if (const auto* lattice = std::get_if<scene::LatticeFill>(&groups[i].fill)) {
       add_lattice(fill, groups[i], i, *lattice);
     } else if (std::holds_alternative<scene::FileFill>(groups[i].fill)) {
-      add_file(fill, groups[i], i, files);
+      add_file(fill, groups[i], i, files, scene.dem->overlap_limit);
+    } else if (!std::holds_alternative<scene::InletFill>(groups[i].fill)) {
+      fail(i, groups[i], "the spheres of its fill are not placed yet, which this program does not do",
+           "send the scene in the plain form, as tandem does");
     }
   }
   return fill;

@@ -14,9 +14,13 @@ namespace tandem::dem {
 struct Fill {
   std::vector<Vec3d> position;          // of centres, world [m] (spheres x 3)
   std::vector<Vec3d> velocity;          // [m/s] (spheres x 3)
+  std::vector<Vec3d> spin;              // [rad/s] (spheres x 3)
   std::vector<double> radius;           // [m] (spheres)
   std::vector<std::uint32_t> material;  // index in dem.materials (spheres)
   std::vector<std::uint32_t> group;     // index in dem.particles (spheres); groups come in order
+  // Overlaps accepted at the start, of each group of dem.particles, relative to the smaller radius [-];
+  // empty: `start_overlap_limit`.
+  std::vector<double> accepted_overlap;
 };
 
 struct NamedParticles {
@@ -35,8 +39,9 @@ Fill make_fill(const scene::Scene& scene, const std::vector<NamedParticles>& fil
 // The spheres of the fixed groups, likewise. From here on they are walls.
 std::vector<FixedSphere> make_fixed(const scene::Scene& scene, const std::vector<NamedParticles>& files);
 
-// At the start, an overlap of up to this share of the smaller radius is accepted as that of a settled bed (a
-// fill from a file). Larger ones would throw spheres apart.
+// At the start, an overlap of up to this share of the smaller radius is accepted. Larger ones would throw
+// spheres apart, unless they are those of a bed under its load: a file with spins has the whole state of one,
+// and its overlaps may be as large as dem.overlap_limit.
 inline constexpr double start_overlap_limit = 0.01;
 
 // Result of relax_start().
@@ -54,7 +59,7 @@ struct StartRelaxation {
 StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Scene& scene);
 
 // Error{scene} names the worst pair of spheres, or the worst sphere and wall, that overlap by more than
-// `start_overlap_limit`, or a sphere outside the domain. Bodies are at their poses of the scene. The result
+// is accepted, or a sphere outside the domain. Bodies are at their poses of the scene. The result
 // does not depend on the number of `threads` (0: as ThreadPool chooses).
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene, unsigned threads = 1);
 

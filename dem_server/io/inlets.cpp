@@ -69,6 +69,7 @@ void append_waiting(const std::vector<Inlet>& inlets, const scene::Scene& scene,
     for (const double radius : inlet.radius) {
       fill.position.push_back(0.5 * (inlet.fill.min + inlet.fill.max));
       fill.velocity.push_back(inlet.velocity);
+      fill.spin.push_back({});
       fill.radius.push_back(radius);
       fill.material.push_back(scene.dem->particles[inlet.group].material.value);
       fill.group.push_back(inlet.group);

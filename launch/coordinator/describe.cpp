@@ -220,6 +220,12 @@ std::pair<std::string, std::string> source(const decltype(ParticleGroup::fill)& 
                                                 : fmt::format("inlet, {:.6g} kg/s", *f.mass_rate),
                                          number(f.count, "until the end")};
                                },
+                               [](const PackingFill&) -> Source {
+                                 return {"packing", "as many as asked for"};
+                               },
+                               [](const RunFill& f) -> Source {
+                                 return {"run " + f.folder, "as many as the frame has"};
+                               },
                                [](const FileFill& f) -> Source {
                                  return {"file " + f.file, "as many as the file has"};
                                }},
@@ -259,12 +265,21 @@ std::string particle_facts(const DryRun& started) {
 std::string describe_dem(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   const Dem& dem = *scene.dem;
-  Table groups("particles", {"group", "material", "radius [m]", "from", "spheres"});
+  Table groups("particles",
+               {"group", "material", "radius [m]", "from", "spheres", "mass [kg]", "void fraction"});
   for (const ParticleGroup& group : dem.particles) {
+    const auto placed = std::ranges::find(file.placed, group.name, &PlacedGroup::group);
+    if (placed != file.placed.end()) {
+      groups.add({group.name, dem.materials[group.material.value].name,
+                  fmt::format("{:.6g} .. {:.6g}", placed->smallest, placed->largest), placed->from,
+                  std::to_string(placed->spheres), fmt::format("{:.6g}", placed->mass),
+                  placed->void_fraction ? fmt::format("{:.4g}", *placed->void_fraction) : "-"});
+      continue;
+    }
     auto [from, count] = source(group.fill);
     if (group.fixed) count += ", fixed";
     groups.add({group.name, dem.materials[group.material.value].name,
-                fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from, count});
+                fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from, count, "-", "-"});
   }
   Table outlets("outlets", {"name", "region [m]"});
   for (const Outlet& outlet : dem.outlets)
@@ -323,6 +338,7 @@ std::string remarks(const SceneFile& file, const DryRun* started, const std::str
   add("warning", file.warnings);
   if (started) add("warning", started->warnings());
   add("note", file.notes);
+  add("note", file.log);
   return lines;
 }
 

@@ -252,6 +252,18 @@ void review_contact(const Scene& scene, std::vector<std::string>& notes) {
     if (joint.type != JointType::free && joint.type != JointType::distance)
       connected.insert(std::minmax(group_of(joint.parent), group_of(joint.child)));
 
+  // Bodies whose shapes touch each other (mbd.contact).
+  std::set<std::size_t> touching;
+  if (scene.contact && !scene.contact->ground.empty()) touching.insert(group_of(ground));
+  for (const Shape& shape : scene.shapes)
+    if (shape.use == ShapeUse::contact) touching.insert(group_of(shape.body));
+  const auto touch = [&](BodyId a, BodyId b) {
+    if (!scene.contact || !touching.contains(group_of(a)) || !touching.contains(group_of(b))) return false;
+    return std::none_of(scene.contact->ignore.begin(), scene.contact->ignore.end(), [&](const auto& pair) {
+      return std::minmax(group_of(pair[0]), group_of(pair[1])) == std::minmax(group_of(a), group_of(b));
+    });
+  };
+
   // The first wall of each group, starting with the ground's.
   std::map<std::size_t, const Wall*> walls;
   for (const Wall& wall : scene.dem->walls) walls.try_emplace(group_of(wall.body), &wall);
@@ -266,6 +278,7 @@ void review_contact(const Scene& scene, std::vector<std::string>& notes) {
     for (std::size_t b = a + 1; b < movers.size(); ++b) {
       const Wall &other = *movers[a], &mover = *movers[b];
       if (connected.contains(std::minmax(group_of(other.body), group_of(mover.body)))) continue;
+      if (touch(other.body, mover.body)) continue;
       if (++pairs > 1) continue;
       first = fmt::format(
           "body \"{}\" can pass through wall \"{}\" of {}", scene.body_name(mover.body), other.name,
@@ -274,8 +287,10 @@ void review_contact(const Scene& scene, std::vector<std::string>& notes) {
   if (pairs == 0) return;
   const std::string others =
       pairs == 1 ? "" : fmt::format(", and so for {} other pair{}", pairs - 1, pairs == 2 ? "" : "s");
-  notes.push_back("contact between bodies is not computed, walls act on spheres only: " + first + others +
-                  "; limits of joints, bushings and springs can hold bodies apart");
+  notes.push_back(
+      "walls act on spheres only: " + first + others +
+      "; shapes with \"use\": \"contact\" (mbd.contact), limits of joints, bushings and springs can "
+      "hold bodies apart");
 }
 
 }  // namespace

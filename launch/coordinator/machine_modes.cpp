@@ -89,6 +89,9 @@ std::string machine_modes(const SceneFile& file, bool as_given) {
     throw Error(ErrorCode::usage, "the scene has no machine", file.origin, "give a scene with the part mbd");
   const mbd::Model model = mbd::build_model(scene);
   mbd::MachineSystem system(model);
+  if (scene.contact)
+    throw Error(ErrorCode::scene, "modes know no contacts between bodies", "mbd.contact",
+                "leave it out, and give bushings or springs where bodies rest on each other");
   mbd::State state = mbd::initial_state(model, scene);
   mbd::assemble(scene, model, system, state);
   std::string text;

@@ -31,7 +31,10 @@ void add_needs_of_elements(const scene::Scene& scene, std::vector<Need>& needs) 
       needs.push_back({protocol::can_observe_elements, by + " '" + signal + "'", "leave out that " + by});
   };
   for (const std::string& sensor : scene.mbd->sensors) add(sensor, "sensor");
-  for (const scene::Check& check : scene.checks) add(check.of, "check of");
+  for (const scene::Check& check : scene.checks) {
+    add(check.of, "check of");
+    add(check.expected_of, "check against");
+  }
 }
 
 std::vector<Need> needs_of_mbd(const scene::Scene& scene) {

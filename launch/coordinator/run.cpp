@@ -443,7 +443,8 @@ void print_end(const Summary& summary, const std::filesystem::path& folder) {
 
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
-  const SceneFile file = read_scene(options.scene, options.overrides);
+  if (options.quiet) log::quiet();  // while spheres settle
+  const SceneFile file = read_scene(options.scene, options.overrides, {options.backend, options.threads});
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
@@ -468,6 +469,7 @@ int run(const RunOptions& given, Controller* controller) {
               options.folder.string());
 
   Summary summary(file, options);
+  for (const std::string& line : file.log) log::info("{}", line);
   for (const std::string& warning : file.warnings) {
     log::warn("{}", warning);
     summary.add_warning(warning);

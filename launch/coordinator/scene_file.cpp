@@ -16,6 +16,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
+#include "launch/coordinator/placement.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
 namespace tandem::launch {
@@ -84,11 +85,11 @@ void make_facets(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
   }
 }
 
-// Shapes that are only drawn, in frames whose origin is the centre of mass.
+// Shapes that are no walls, in frames whose origin is the centre of mass.
 void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
   for (std::size_t i = 0; i < in_files.size(); ++i) {
     const scene::Shape& shape = file.scene.shapes[i];
-    if (shape.use == scene::ShapeUse::graphics)
+    if (shape.use != scene::ShapeUse::wall && scene::is_bounded(shape.geometry))
       file.drawn.push_back(
           {shape.body, shape.name,
            transformed(scene::mesh_of(shape, in_files[i], drawn_segments, file.origin), shape.pose)});
@@ -98,7 +99,10 @@ void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
 // Replaces shapes, orientations and poses by what solvers know.
 void make_plain(const std::filesystem::path& folder, SceneFile& file) {
   const std::vector<TriangleMesh> in_files = import_meshes(folder, file);
-  if (file.scene.is_plain) return;
+  if (file.scene.is_plain) {
+    draw(in_files, file);
+    return;
+  }
   make_facets(in_files, file);
   file.shaped = scene::take_mass_from_shapes(file.scene, in_files, file.origin, file.warnings);
   draw(in_files, file);
@@ -120,7 +124,7 @@ void import_particles(const scene::Dem& dem, const std::filesystem::path& folder
 
 }  // namespace
 
-SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides) {
+SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides, const SettleOn& on) {
   SceneFile file;
   file.origin = path.string();
   file.text = read_input(path, {.largest = largest_text, .hint = "give the path of a scene"});
@@ -133,6 +137,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   make_plain(path.parent_path(), file);
   if (file.scene.dem) import_particles(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
+  place_fills(path.parent_path(), file, on);
   if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
     file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
                                      fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));

@@ -2,6 +2,8 @@
 // protocol.
 #pragma once
 
+#include <optional>
+
 #include "common/scene/model.hpp"
 #include "common/scene/shape_mass.hpp"
 #include "launch/coordinator/options.hpp"
@@ -18,6 +20,28 @@ struct ImportedMesh {
   MeshFacts facts;   // in the frame of the wall's shape
 };
 
+// A group whose spheres were placed before the start.
+struct PlacedGroup {
+  std::string group;  // name
+  std::string from;   // of the spheres: "packing inside drum"
+  std::uint64_t spheres = 0;
+  double smallest = 0, largest = 0;     // radius [m]
+  double mass = 0;                      // [kg]
+  std::optional<double> void_fraction;  // of the filled region; absent: of another run
+};
+
+struct SettledBed {
+  double time = 0;            // simulated [s]
+  double kinetic_energy = 0;  // mean of the spheres [J]
+  bool from_cache = false;
+};
+
+// Where the particle solver computes a bed that settles; no result depends on it.
+struct SettleOn {
+  std::string backend = "auto";
+  unsigned threads = 0;
+};
+
 struct SceneFile {
   // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
   // scene.
@@ -30,10 +54,14 @@ struct SceneFile {
   std::vector<ImportedMesh> mesh_facts;     // of the walls with a mesh file, in the same order
   std::vector<scene::ShapedBody> shaped;    // bodies whose mass follows from their shapes
   std::vector<BodyMesh> drawn;              // shapes with use `graphics`, by their own names
-  std::vector<protocol::NamedText> files;   // of the particle groups with a file
+  std::vector<protocol::NamedText> files;   // of the particle groups with a file, also of those placed
+  std::vector<PlacedGroup> placed;
+  std::optional<SettledBed> settled;
+  std::vector<std::string> log;  // of settling and of its cache
 };
 
-// Throws every error of the scene and of the files that it names.
-SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides = {});
+// Throws every error of the scene and of the files that it names. Places the spheres, and lets them settle.
+SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides = {},
+                     const SettleOn& on = {});
 
 }  // namespace tandem::launch

@@ -20,6 +20,7 @@ const SceneSpheres::Group& SceneSpheres::group_of(std::uint32_t id) const {
   return *std::ranges::upper_bound(groups, id, {}, &Group::end);
 }
 
+<<<<<<< HEAD
 std::vector<std::uint32_t> SceneSpheres::group_by_id() const {
   std::vector<std::uint32_t> of_sphere;
   of_sphere.reserve(in_all);
@@ -29,11 +30,19 @@ std::vector<std::uint32_t> SceneSpheres::group_by_id() const {
 
 SceneSpheres spheres_of(const SceneFile& file) {
   const scene::Dem& of_scene = file.scene.dem.value();
+=======
+std::vector<dem::NamedParticles> particles_in(const SceneFile& file) {
+>>>>>>> main
   std::vector<dem::NamedParticles> read;
   for (const protocol::NamedText& text : file.files)
     read.push_back({text.name, scene::read_particle_file(text.text, text.name)});
+  return read;
+}
+
+SceneSpheres spheres_of(const SceneFile& file) {
+  const scene::Dem& of_scene = file.scene.dem.value();
   SceneSpheres all;
-  dem::Fill fill = dem::make_fill(file.scene, read);
+  dem::Fill fill = dem::make_fill(file.scene, particles_in(file));
   all.at_start = fill.radius.size();
   all.start = fill;
   dem::append_waiting(dem::make_inlets(file.scene), file.scene, fill);

@@ -35,6 +35,9 @@ struct SceneSpheres {
 
 double sphere_mass(double density, double radius);
 
+// The particle files of the scene.
+std::vector<dem::NamedParticles> particles_in(const SceneFile& file);
+
 // Throws the errors of dem::make_fill().
 SceneSpheres spheres_of(const SceneFile& file);
 

@@ -76,6 +76,14 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   if (options.transport == Transport::dds) own("dds_security") = dds_security(options);
   own("scheme") = name(scene.coupling.scheme);
   own("window_s") = scene.coupling.window;
+  for (const PlacedGroup& placed : file.placed) {
+    Json& fill = own("fills")[placed.group] = {{"spheres", placed.spheres}, {"mass_kg", placed.mass}};
+    if (placed.void_fraction) fill["void_fraction"] = *placed.void_fraction;
+  }
+  if (file.settled)
+    own("settle") = {{"time_s", file.settled->time},
+                     {"kinetic_energy_J", file.settled->kinetic_energy},
+                     {"from_cache", file.settled->from_cache}};
   // Values that only a solver knows are null until it has reported them.
   for (const char* key : {"backend", "device", "precision", "variant"}) json_[key] = nullptr;
   for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})

@@ -32,23 +32,22 @@ double number_of_summary(const nlohmann::json& summary, const std::string& path)
   return at->get<double>();
 }
 
-// The signals that a check uses.
-const Signals* signals_of(const scene::Check& check, const std::vector<const Signals*>& all) {
+// One number of a run: of a signal, reduced, or of the summary.
+struct Quantity {
+  std::size_t check;  // to which it belongs
+  std::string of;
+  const Signals* signals = nullptr;  // null: of the summary
+  std::optional<Reduction> reduction{};
+};
+
+const Signals& signals_of(const std::string& of, const std::vector<const Signals*>& all) {
   std::vector<std::string> known;
   for (const Signals* signals : all) {
-    if (signals->has(check.of)) return signals;
+    if (signals->has(of)) return *signals;
     known.insert(known.end(), signals->names().begin(), signals->names().end());
   }
-  throw Error(ErrorCode::scene, "there is no signal \"" + shortened(check.of) + "\"", {},
-              suggest_name(check.of, known, "signals"));
-}
-
-CheckResult judge(const scene::Check& check, double value) {
-  CheckResult result{check, value};
-  result.error = std::abs(value - check.expected);
-  if (!check.absolute && result.error != 0) result.error /= std::abs(check.expected);
-  result.passed = result.error <= check.tolerance;  // false for NaN
-  return result;
+  throw Error(ErrorCode::scene, "there is no signal \"" + shortened(of) + "\"", {},
+              suggest_name(of, known, "signals"));
 }
 
 // Calls `evaluate`; adds the name of the check to an Error.
@@ -70,17 +69,15 @@ void pass(const Signals& signals, const std::vector<std::string>& columns,
   });
 }
 
-// Reads the rows of these signals for all checks that use them, a second time for those that need it.
-void go_through(const Signals& signals, const std::vector<scene::Check>& checks,
-                const std::vector<const Signals*>& looks_at,
-                std::vector<std::optional<Reduction>>& reductions) {
+// Reads the rows of these signals for all quantities in them, a second time for those that need it.
+void go_through(const Signals& signals, std::vector<Quantity>& quantities) {
   for (const bool again : {false, true}) {
     std::vector<std::string> columns{"time"};
     std::vector<Reduction*> there;
-    for (std::size_t i = 0; i < checks.size(); ++i) {
-      if (looks_at[i] != &signals || (again && !reductions[i]->needs_second_pass())) continue;
-      columns.push_back(checks[i].of);
-      there.push_back(&*reductions[i]);
+    for (Quantity& quantity : quantities) {
+      if (quantity.signals != &signals || (again && !quantity.reduction->needs_second_pass())) continue;
+      columns.push_back(quantity.of);
+      there.push_back(&*quantity.reduction);
     }
     if (there.empty()) return;
     if (again)
@@ -89,29 +86,47 @@ void go_through(const Signals& signals, const std::vector<scene::Check>& checks,
   }
 }
 
+CheckResult judge(const scene::Check& check, double value) {
+  CheckResult result{check, value};
+  result.error = std::abs(value - check.expected);
+  if (!check.absolute && result.error != 0) result.error /= std::abs(check.expected);
+  result.passed = result.error <= check.tolerance;  // false for NaN
+  return result;
+}
+
 }  // namespace
 
 std::vector<CheckResult> evaluate(const std::vector<scene::Check>& checks,
                                   const std::vector<const Signals*>& all, const nlohmann::json& summary) {
   const std::string of_summary = "summary.";
-  std::vector<const Signals*> looks_at(checks.size());
-  std::vector<std::optional<Reduction>> reductions(checks.size());
-  for (std::size_t i = 0; i < checks.size(); ++i) {
-    if (checks[i].of.starts_with(of_summary)) continue;
+  std::vector<Quantity> quantities;
+  const auto add = [&](std::size_t i, const std::string& of) {
+    Quantity quantity{i, of};
+    if (!of.starts_with(of_summary)) {
+      quantity.signals = &signals_of(of, all);
+      quantity.reduction.emplace(checks[i].reduce, checks[i].from, checks[i].to);
+    }
+    quantities.push_back(std::move(quantity));
+  };
+  for (std::size_t i = 0; i < checks.size(); ++i)
     with_name(checks, i, [&] {
-      looks_at[i] = signals_of(checks[i], all);
-      reductions[i].emplace(checks[i].reduce, checks[i].from, checks[i].to);
+      add(i, checks[i].of);
+      if (!checks[i].expected_of.empty()) add(i, checks[i].expected_of);
     });
-  }
-  for (const Signals* signals : all) go_through(*signals, checks, looks_at, reductions);
+  for (const Signals* signals : all) go_through(*signals, quantities);
 
-  std::vector<CheckResult> results;
-  for (std::size_t i = 0; i < checks.size(); ++i) {
-    const double value = with_name(checks, i, [&] {
-      return reductions[i] ? reductions[i]->value()
-                           : number_of_summary(summary, checks[i].of.substr(of_summary.size()));
+  const auto value = [&](const Quantity& quantity) {
+    return with_name(checks, quantity.check, [&] {
+      return quantity.reduction ? quantity.reduction->value()
+                                : number_of_summary(summary, quantity.of.substr(of_summary.size()));
     });
-    results.push_back(judge(checks[i], value));
+  };
+  std::vector<CheckResult> results;
+  for (auto next = quantities.begin(); next != quantities.end();) {
+    scene::Check check = checks[next->check];
+    const double found = value(*next++);
+    if (!check.expected_of.empty()) check.expected = check.times * value(*next++);
+    results.push_back(judge(check, found));
   }
   return results;
 }

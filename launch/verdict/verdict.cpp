@@ -773,9 +773,11 @@ std::vector<Rule> make_rules() {
        }});
   table.push_back(
       {"body_contact", "wall_crossings[].share", wall_depth_share,
-       "contact of bodies is not computed: walls of different bodies that overlap by more than 1 % of the "
-       "thinner one have passed through each other",
-       "a joint with `limits`, or a bushing between the bodies", fixed,
+       "walls act on spheres only: walls of different bodies that overlap by more than 1 % of the thinner "
+       "one "
+       "have passed through each other",
+       "`shapes` of the bodies with `\"use\": \"contact\"`, a joint with `limits`, or a bushing between them",
+       fixed,
        [](const RunFigures& run) -> Figures {
          const auto crossings = run.summary.find("wall_crossings");
          if (crossings == run.summary.end()) return std::nullopt;
@@ -795,8 +797,10 @@ std::vector<Rule> make_rules() {
              depth = c.value("depth_m", 0.0), time = c.value("time_s", 0.0);
          return fmt::format(
              "{} pass through each other from t = {:.4g} s on, by up to {:.2g} m, {:.2g} of the thinner "
-             "one (limit {:.2g}); contact of bodies is not computed: use a joint with limits (stiffness "
-             "and where it stops), a bushing or a spring_damper between them",
+             "one (limit {:.2g}); walls act on spheres only: give the bodies shapes with \"use\": "
+             "\"contact\", or "
+             "put a joint with limits (stiffness and where it stops), a bushing or a spring_damper between "
+             "them",
              f.of, time, depth, f.value, limit);
        }});
   return table;

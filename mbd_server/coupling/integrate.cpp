@@ -69,13 +69,16 @@ void MbdSolver::integrate_until(double end, double length) {
   const Stiction::Stride free_step = std::ref(one_step);  // allocates nothing
   const auto step_with_friction = [&](double h) { return m.stiction.step(state_, h, free_step); };
   const StopContacts::Stride stride = std::ref(step_with_friction);
+  const auto step_with_stops = [&](double h) { return m.contacts.step(state_, h, stride); };
+  const BodyContacts::Stride stride_to_stops = std::ref(step_with_stops);
   for (int i = 0; state_.time < end; ++i) {
     if (!control_ || i == 0)
       m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});
     // The remainder of a fixed step that a contact has cut is taken as well.
+    m.touching.begin(control_ ? longest_step_ : steps.length);
     double left = control_ ? end - state_.time : steps.length;
     do {
-      const double h = m.contacts.step(state_, left, stride);
+      const double h = m.touching.step(state_, left, stride_to_stops);
       left -= h;
       // The end is set exactly, not as a sum of rounded steps.
       if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)

@@ -76,6 +76,7 @@ MbdSolver::Machine::Machine(const scene::Scene& scene)
                                                                              : Constraints::index2),
       contacts(model, method, system, state),
       stiction(model, method, system, state),
+      touching(model, method, system, state, contacts, stiction),
       joints(model),
       undetermined(model),
       balance(model),
@@ -134,6 +135,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   state_ = machine_->state;
   machine_->contacts.prepare(state_);
   machine_->stiction.prepare(state_);
+  machine_->touching.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
   predicted_ = state_;
   before_.resize(model.boundary.size());

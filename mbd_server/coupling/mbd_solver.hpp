@@ -13,6 +13,7 @@
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/solve/equilibrium.hpp"
+#include "mbd_server/step/body_contacts.hpp"
 #include "mbd_server/step/dormand_prince.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
@@ -57,6 +58,7 @@ class MbdSolver final : public protocol::MotionSolver {
     std::optional<DormandPrince> explicit_method;  // instead of the method
     StopContacts contacts;
     Stiction stiction;
+    BodyContacts touching;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;

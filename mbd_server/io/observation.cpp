@@ -3,12 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbd_server/contact/contact_force.hpp"
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/size_over_joint.hpp"
 
 namespace tandem::mbd {
 namespace {
+
+// Calls act(pair, force) for every point in contact.
+template <class Act>
+void for_each_contact(const Model& model, const State& state, const std::vector<LinkMotion>& links,
+                      const Act& act) {
+  if (state.contacts.cols() == 0) return;
+  for (const ContactPair& pair : model.contact_pairs)
+    for (int i = 0; i < pair.count; ++i)
+      if (touches(state, pair.first + i)) act(pair, evaluate(model, pair, i, state, links));
+}
 
 Matrix6d inertia_in_world(const BodyOnLink& body, const LinkMotion& link) {
   return spatial_inertia(body.mass, link.point(body.p_LB), link.R_WL * body.inertia * link.R_WL.transpose());
@@ -92,6 +103,11 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
   const auto apply = [&](int body, const Vector6d& wrench) {
     if (body != none) carried_[body] -= wrench;
   };
+  for_each_contact(model_, state, links, [&](const ContactPair& pair, const ContactForce& f) {
+    const Vector6d wrench = wrench_at(f.p, f.force);
+    apply(model_.contact_shapes[static_cast<std::size_t>(pair.b)].body, wrench);
+    apply(model_.contact_shapes[static_cast<std::size_t>(pair.a)].body, -wrench);
+  });
   for (const Spring& spring : model_.springs) {
     const SpringForce f = evaluate(spring, links);
     apply(spring.b.body, wrench_at(f.p_b, f.on_b));
@@ -155,6 +171,7 @@ double potential_energy(const Model& model, const State& state, const std::vecto
   for (const BodyOnLink& body : model.bodies)
     sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
+  for_each_contact(model, state, links, [&](const ContactPair&, const ContactForce& f) { sum += f.energy; });
   for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
   for (const RopeOnLinks& rope : model.ropes) {
     const double e = std::max(0.0, stretch_of(rope, links).elongation);
@@ -204,6 +221,8 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
     sum += tension(rope, stretch.elongation, stretch.rate);
   }
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).on_b.norm();
+  for_each_contact(model, state, links,
+                   [&](const ContactPair&, const ContactForce& f) { sum += f.force.norm(); });
   for (const BushingOnLinks& bushing : model.bushings) {
     const BushingForce f = evaluate(bushing, links);
     sum += f.on_b.head<3>().norm();

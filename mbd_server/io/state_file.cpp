@@ -14,7 +14,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 7;
+constexpr std::uint64_t version = 8;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -23,8 +23,11 @@ std::string machine(const Model& model) {
   for (const Closure& closure : model.closures)
     for (const Equation& equation : closure.equations) text += closure.name + ": " + equation.what + "\n";
   for (const std::string& name : model.state_names) text += name + "\n";
-  return text + fmt::format("{} boundary bodies, {} inputs, {} elements\n", model.boundary.size(),
-                            model.inputs, model.accounts);
+  return text +
+         fmt::format("{} boundary bodies, {} inputs, {} elements\n", model.boundary.size(), model.inputs,
+                     model.accounts) +
+         (model.contact_pairs.empty() ? std::string()
+                                      : fmt::format("{} points of contact\n", model.contact_points));
 }
 
 // The first line in which the texts differ.
@@ -123,6 +126,10 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   state.load_rates = state.loads;
   if (file.size("stops") > 0) state.stops.setZero(StopRow::count, std::ssize(model.stops));
   state.sliding.setZero(std::ssize(model.stictions));
+  if (!model.contact_pairs.empty()) {
+    state.contacts.setZero(ContactRow::count, model.contact_points);
+    state.touch_step.setZero(1);
+  }
   if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)

@@ -17,6 +17,7 @@
 #include "common/scene/motion_function.hpp"
 #include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/model/closure.hpp"
+#include "mbd_server/model/contact.hpp"
 #include "mbd_server/model/element.hpp"
 #include "mbd_server/model/force_law.hpp"
 #include "mbd_server/model/periodic_curve.hpp"
@@ -175,6 +176,9 @@ struct Model {
   int inputs = 0;                      // number of values that a controller sets
   std::vector<InputRange> input_ranges;
   std::vector<Element> elements;
+  std::vector<ContactShape> contact_shapes;
+  std::vector<ContactPair> contact_pairs;
+  int contact_points = 0;  // of all pairs: columns of State::contacts
   // Number of scene::elements_of(): each force, coupler and joint among them has an index, its account, under
   // which its work and its losses are recorded.
   int accounts = 0;

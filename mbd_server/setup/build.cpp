@@ -97,6 +97,7 @@ class Builder {
     number_coordinates();
     place_closures(place_, model_);
     place_forces(place_, model_);
+    place_contacts(place_, model_);
     find_boundary();
     find_breaks();
     find_what_can_be_left_out();
@@ -332,7 +333,8 @@ class Builder {
         std::any_of(model_.bushings.begin(), model_.bushings.end(),
                     [](const BushingOnLinks& b) { return !b.damping.isZero(0); }) ||
         std::any_of(model_.ropes.begin(), model_.ropes.end(),
-                    [](const RopeOnLinks& r) { return r.damping != 0; });
+                    [](const RopeOnLinks& r) { return r.damping != 0; }) ||
+        !model_.contact_pairs.empty();
     model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0 ||
                      !model_.elements.empty() ||
                      std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),

@@ -30,6 +30,7 @@ struct Placement {
 // Parts of build_model(); they need the links, bodies and joints of the model.
 void place_closures(const Placement& placement, Model& model);
 void place_forces(const Placement& placement, Model& model);
+void place_contacts(const Placement& placement, Model& model);
 void add_stiction(Model& model);
 // `inputs`: names of the control inputs.
 void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,

@@ -58,7 +58,8 @@ bool ArticulatedBody::eliminate(LinkIndex i, const Dynamics& dynamics, const Vec
   Articulated& own = articulated_[i];
   const Eigen::Matrix<double, 6, n> S = dynamics.links()[i].S.leftCols<n>();
   const Eigen::Matrix<double, 6, n> U = own.I * S;
-  const Eigen::Matrix<double, n, n> D = S.transpose() * U;
+  Eigen::Matrix<double, n, n> D = S.transpose() * U;
+  if constexpr (n == 1) D(0, 0) += dynamics.rotor(link.u);
   Eigen::Matrix<double, n, n> inverse;
   if constexpr (n == 1) {
     if (!(std::abs(D(0, 0)) > pivot_round_off * S.cwiseProduct(U).template lpNorm<1>())) return false;

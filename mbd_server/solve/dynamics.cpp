@@ -26,6 +26,7 @@ Dynamics::Dynamics(const Model& model)
       ropes_(model.ropes.size()),
       elements_(model.elements.size()),
       cylinders_(model.elements.size()),
+      contacts_(model.contact_pairs.size()),
       z_(model.first_states),
       zdot_(VectorXd::Zero(z_.size())),
       equations_(static_cast<std::size_t>(model.equations)),
@@ -51,12 +52,14 @@ void Dynamics::add_link_forces(const State& state, const VectorXd* driven) {
   apply_ropes();
   apply_elements(state);
   apply_closures(state);
+  apply_contacts(state);
 }
 
 const VectorXd& Dynamics::local_forces(const State& state) {
   add_link_forces(state, nullptr);
   residual_.setZero();
   add_joint_forces(state);
+  add_motors(state);
   return residual_;
 }
 
@@ -206,6 +209,27 @@ void Dynamics::apply_closures(const State& state) {
     if (!c.has_geometric_stiffness()) continue;
     apply(c.b, Vector6d(-turning));
     apply(c.a, turning);
+  }
+}
+
+// The wrench has no direction of its own: its whole change is in the derivatives.
+void Dynamics::apply_contacts(const State& state) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const ContactPair& pair = model_.contact_pairs[k];
+    PairOfLinks& sum = contacts_[k];
+    sum.touches = false;
+    Vector6d wrench = Vector6d::Zero();
+    for (int i = 0; i < pair.count; ++i) {
+      if (!touches(state, pair.first + i)) continue;
+      const ContactForce f = evaluate(model_, pair, i, state, links_);
+      if (!sum.touches) sum.by_a.setZero(), sum.by_b.setZero(), sum.by_velocity.setZero();
+      sum.touches = true;
+      wrench += wrench_at(f.p, f.force);
+      sum.by_a += f.by_a, sum.by_b += f.by_b, sum.by_velocity += f.by_velocity;
+    }
+    if (!sum.touches) continue;
+    apply(model_.contact_shapes[static_cast<std::size_t>(pair.b)].link, wrench);
+    apply(model_.contact_shapes[static_cast<std::size_t>(pair.a)].link, Vector6d(-wrench));
   }
 }
 

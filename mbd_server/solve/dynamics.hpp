@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mbd_server/constraints/equations.hpp"
+#include "mbd_server/contact/contact_force.hpp"
 #include "mbd_server/forces/bushing.hpp"
 #include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/forces/rope.hpp"
@@ -33,6 +34,8 @@ class Dynamics {
   const VectorXd& local_forces(const State& state);
   const Matrix6d& inertia(LinkIndex i) const { return loads_[i].I; }
   const Vector6d& force(LinkIndex i) const { return loads_[i].F; }
+  // Inertia of motors on a coordinate, beside that of the links.
+  double rotor(int u) const { return rotors_.size() > 0 ? rotors_[u] : 0; }
 
   const VectorXd& last_residual() const { return residual_; }
   // Equations of the closures at the last residual(); those below their round-off are zero (equations).
@@ -49,7 +52,7 @@ class Dynamics {
   // joint's coordinate and without couplers; and the kinetic energy [J].
   const Vector6d& transmitted(LinkIndex i) const { return loads_[i].F; }
   double kinetic_energy() const { return kinetic_energy_; }
-  // States of first order of the elements and their rates at the last residual().
+  // States of first order of the elements and their rates at the last residual() or local_forces().
   const VectorXd& states() const { return z_; }
   const VectorXd& state_rates() const { return zdot_; }
 
@@ -59,6 +62,12 @@ class Dynamics {
     Matrix6d I;  // inertia
     Vector6d F;  // inertia force less applied loads; after residual() of this link and everything outboard
     bool applied = false;  // whether some load acts on it
+  };
+
+  // Derivatives of the wrench of all points of a pair in contact, as in ContactForce.
+  struct PairOfLinks {
+    bool touches = false;
+    Matrix6d by_a, by_b, by_velocity;
   };
 
   void add_link_forces(const State& state, const VectorXd* driven);
@@ -73,6 +82,7 @@ class Dynamics {
   void apply_elements(const State& state);
   void add_motors(const State& state);
   void apply_closures(const State& state);
+  void apply_contacts(const State& state);
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
@@ -90,6 +100,7 @@ class Dynamics {
   std::vector<RopeForce> ropes_;              // (ropes)
   std::vector<ElementValue> elements_;        // (elements)
   std::vector<SpringForce> cylinders_;        // valid for cylinders (elements)
+  std::vector<PairOfLinks> contacts_;         // (contact pairs)
   VectorXd z_, zdot_;                         // (first-order states)
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)

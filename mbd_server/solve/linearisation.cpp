@@ -56,6 +56,9 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
   for (const Closure& c : model.closures)
     stiffness_connection.push_back(
         c.has_geometric_stiffness() ? add(c.a, c.b, c.stiffness_is_torque() ? 3 : 6) : none);
+  for (const ContactPair& pair : model.contact_pairs)
+    contact_connection.push_back(add(model.contact_shapes[static_cast<std::size_t>(pair.a)].link,
+                                     model.contact_shapes[static_cast<std::size_t>(pair.b)].link, 6));
   for (const RopeOnLinks& rope : model.ropes) {
     std::vector<LinkIndex> moving;
     for (const PointOnBody& p : rope.points)
@@ -248,6 +251,28 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     change_b.topLeftCorner<3, 6>() -= weights.stiffness * skew(f.on_b.head<3>()) * L;  // p moves with b
     place(out.bushing_connection[s], a, b, Matrix6d::Identity(), Matrix6d::Identity(),
           Form(wrench * (turn_with_a - change)), change_b, 6);
+  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const ContactPair& pair = model_.contact_pairs[k];
+    const PairOfLinks& f = contacts_[k];
+    const int connection = out.contact_connection[k];
+    if (!f.touches) {
+      if (connection != none) {
+        ConnectionBlocks& block = out.blocks[static_cast<std::size_t>(connection)];
+        block.C_a.setZero(), block.C_b.setZero(), block.R_a.setZero(), block.R_b.setZero();
+      }
+      continue;
+    }
+    // The change of the velocity of a point at rest in the world is that of V x psi besides eta: it is in
+    // by_a and by_b.
+    Form change_a = Form::Zero(), change_b = Form::Zero();
+    change_a.leftCols<6>() = weights.stiffness * f.by_a;
+    change_a.middleCols<6>(6) = -f.by_velocity;
+    change_b.leftCols<6>() = weights.stiffness * f.by_b;
+    change_b.middleCols<6>(6) = f.by_velocity;
+    place(connection, model_.contact_shapes[static_cast<std::size_t>(pair.a)].link,
+          model_.contact_shapes[static_cast<std::size_t>(pair.b)].link, Matrix6d::Identity(),
+          Matrix6d::Identity(), change_a, change_b, 6);
   }
   for (std::size_t k = 0; k < model_.closures.size(); ++k) {
     const Closure& c = model_.closures[k];

@@ -79,6 +79,7 @@ struct Linearisation {
   // none: one end is on the ground; cylinder_connection (elements): also for motors; stiffness_connection:
   // also where the closure has no geometric stiffness
   std::vector<int> spring_connection, cylinder_connection, bushing_connection, stiffness_connection;
+  std::vector<int> contact_connection;            // (contact pairs); as spring_connection
   std::vector<int> tension_connection;            // (ropes)
   std::vector<std::vector<int>> span_connection;  // (ropes, spans)
   // Of a size over a joint coordinate; none: the force acts on the coordinate itself, or on the ground, or

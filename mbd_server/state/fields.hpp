@@ -30,6 +30,8 @@ void for_each_field(AnyState& state, F&& f) {
   f("contact_step", state.contact_step);
   f("stops", state.stops);
   f("sliding", state.sliding);
+  f("contacts", state.contacts);
+  f("touch_step", state.touch_step);
   f("coarse", state.coarse);
   f("fine", state.fine);
 }

@@ -22,6 +22,21 @@ struct StopRow {
   };
 };
 
+// Data of one point of contact between bodies: the rows of State::contacts.
+struct ContactRow {
+  enum : Eigen::Index {
+    mass,             // that the point feels as the contact begins [kg]; 0: no contact
+    entry_rate,       // at which the shapes approached each other then [m/s]
+    entry_time,       // [s]
+    period,           // duration of an impact at that rate [s]; 0: it does not limit the steps
+    stiffness,        // of the tangential spring [N/m]
+    damping,          // beside it [N s/m]
+    on_a,             // end of that spring on link a, frame of the link [m] (3)
+    on_b = on_a + 3,  // on link b, likewise (3)
+    count = on_b + 3
+  };
+};
+
 using StopContactRows = Eigen::Matrix<double, StopRow::count, Eigen::Dynamic>;
 
 struct State {
@@ -64,6 +79,11 @@ struct State {
   StopContactRows stops;
   VectorXd sliding;  // of joints with stiction: 0 where they stick, else the sign of the rate (stictions)
   double contact_step = 0;  // longest step that contacts allow [s]; 0: no limit
+  // Contacts between bodies, maintained by BodyContacts (ContactRow x points of contact). Empty: bodies pass
+  // through each other.
+  Eigen::Matrix<double, ContactRow::count, Eigen::Dynamic> contacts;
+  // Longest step that they allow [s], 0: no limit (1); empty where the scene has none.
+  VectorXd touch_step;
   // Extrapolation: the runs with steps of `step` and of half of it, which give q, u, udot and lambda. Each
   // has its own q, u, udot, a, udot_rate, lambda, z, zdot, w, zdot_rate (packed_size); without
   // extrapolation, empty.

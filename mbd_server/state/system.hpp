@@ -34,7 +34,8 @@ class System {
   // The u' that solves r = 0, of a system without constraints. It does not depend on state.udot but for
   // round-off. Afterwards, residual() must be called before anything else that refers to its state.
   virtual const VectorXd& acceleration(const State& state) = 0;
-  // The first-order states z and their rates g at the last residual(); not used where there are none.
+  // The first-order states z and their rates g at the last residual() or acceleration(); not used where there
+  // are none.
   virtual const VectorXd& states() const { return no_states(); }
   virtual const VectorXd& state_rates() const { return no_states(); }
   // Size of a change of these states, each relative to its scale [-]; and the one that changes most, in the

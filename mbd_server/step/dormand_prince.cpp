@@ -45,27 +45,34 @@ DormandPrince::DormandPrince(const System& system, const State& state)
       x_(VectorXd::Zero(state.u.size())),
       last_x_(x_),
       last_u_(x_),
+      last_z_(state.z),
       x_rates_(state.u.size(), stages),
       u_rates_(state.u.size(), stages),
+      z_rates_(state.z.size(), stages),
       rate_(x_),
       dx_(x_),
-      du_(x_) {}
+      du_(x_),
+      dz_(state.z) {}
 
 void DormandPrince::evaluate(System& system, State& state) {
   state.udot.setZero();
   state.udot = system.acceleration(state);
   ++counters_.evaluations;
   state.a = state.udot;
+  if (state.z.size() > 0) state.zdot = state.w = system.state_rates();
 }
 
-// The first step to try: a tenth of the time in which a coordinate could change by its scale.
+// The first step to try: a tenth of the time in which a coordinate or a state of first order could change by
+// its scale.
 void DormandPrince::start(System& system, State& state, double h) {
   constexpr double share = 0.1;
   evaluate(system, state);
   state.udot_rate.setZero();
+  state.zdot_rate.setZero();
   state.step = h;
   const double speed = system.norm(state.u), acceleration = system.norm(state.udot);
-  state.next_step = std::min({h, share / speed, share * std::sqrt(2 / acceleration)});
+  state.next_step = std::min(
+      {h, share / speed, share * std::sqrt(2 / acceleration), share / system.state_norm(state.zdot)});
 }
 
 void DormandPrince::jump(System& system, State& state) {
@@ -95,8 +102,9 @@ std::optional<LocalError> DormandPrince::try_step(System& system, State& state, 
   }
   combine(error_weights, stages, h, x_rates_, dx_);
   combine(error_weights, stages, h, u_rates_, du_);
-  const LocalError error{system.norm(dx_), system.norm(du_)};
-  if (!std::isfinite(error.position + error.velocity)) return {};
+  if (state.z.size() > 0) combine(error_weights, stages, h, z_rates_, dz_);
+  const LocalError error{system.norm(dx_), system.norm(du_), system.state_norm(dz_)};
+  if (!std::isfinite(error.position + error.velocity + error.states)) return {};
   if (limited_by_stability(system, h)) ++counters_.stiff;
 
   begin_ = state;
@@ -109,6 +117,11 @@ std::optional<LocalError> DormandPrince::try_step(System& system, State& state, 
   state.udot = u_rates_.col(last_stage);
   state.a = state.udot;
   state.udot_rate = (state.udot - begin_.udot) / h;
+  if (state.z.size() > 0) {
+    state.z = stage_.z;
+    state.zdot = state.w = z_rates_.col(last_stage);
+    state.zdot_rate = (state.zdot - begin_.zdot) / h;
+  }
   return error;
 }
 
@@ -118,16 +131,22 @@ bool DormandPrince::take(System& system, const State& state, double h) {
   stage_.udot.setZero();
   x_rates_.col(0) = state.u;
   u_rates_.col(0) = state.udot;
+  z_rates_.col(0) = state.zdot;
   for (int s = 1; s < stages; ++s) {
-    if (s == last_stage) last_x_ = x_, last_u_ = stage_.u;
+    if (s == last_stage) last_x_ = x_, last_u_ = stage_.u, last_z_ = stage_.z;
     stage_.time = state.time + nodes[s] * h;
     combine(coefficients[s], s, h, x_rates_, x_);
     combine(coefficients[s], s, h, u_rates_, stage_.u);
     stage_.u += state.u;
+    if (state.z.size() > 0) {
+      combine(coefficients[s], s, h, z_rates_, stage_.z);
+      stage_.z += state.z;
+    }
     if (!system.increment_rate(x_, stage_.u, rate_)) return false;
     x_rates_.col(s) = rate_;
     system.move(state.q, x_, stage_.q);
     u_rates_.col(s) = system.acceleration(stage_);
+    z_rates_.col(s) = system.state_rates();
     ++counters_.evaluations;
   }
   return true;
@@ -142,9 +161,11 @@ bool DormandPrince::limited_by_stability(const System& system, double h) {
     return system.norm(rate_);
   };
   const double x_rate = difference(x_rates_), u_rate = difference(u_rates_);
-  last_x_ -= x_, last_u_ -= stage_.u;
-  const double x = system.norm(last_x_), u = system.norm(last_u_);
-  return std::hypot(x_rate, h * u_rate) > limit_of_stability * std::hypot(x / h, u);
+  dz_ = z_rates_.col(last_stage) - z_rates_.col(last_stage - 1);
+  const double z_rate = system.state_norm(dz_);
+  last_x_ -= x_, last_u_ -= stage_.u, last_z_ -= stage_.z;
+  const double x = system.norm(last_x_), u = system.norm(last_u_), z = system.state_norm(last_z_);
+  return std::hypot(x_rate, h * u_rate, z_rate) > limit_of_stability * std::hypot(x / h, u, z / h);
 }
 
 void DormandPrince::give_up(const System&, double h) const {

@@ -35,6 +35,8 @@ class Stiction {
   double step(State& state, double h, const Stride& stride);
 
   const StictionCounters& counters() const { return counters_; }
+  // Takes back what a step has counted.
+  void back(const StictionCounters& before) { counters_ = before; }
 
  private:
   const JointForce& force(int i) const {

@@ -64,6 +64,18 @@ class StopContacts {
     lost_.setZero();
     any_lost_ = false;
   }
+  // What a step that is taken back has counted.
+  struct Mark {
+    StopCounters counters;
+    VectorXd lost;
+    bool any_lost = false;
+    int contacts_in_step = 0;
+  };
+  Mark mark() const { return {counters_, lost_, any_lost_, contacts_in_step_}; }
+  void back(const Mark& mark) {
+    counters_ = mark.counters, lost_ = mark.lost, any_lost_ = mark.any_lost;
+    contacts_in_step_ = mark.contacts_in_step;
+  }
 
  private:
   struct Event {

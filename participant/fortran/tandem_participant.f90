@@ -164,6 +164,7 @@ module tandem_participant
     real(dp) :: domain_min(3), domain_max(3)
     integer(sz) :: control_count, element_count
     type(c_ptr) :: element_columns  ! array of texts, see tandem_element_column()
+    type(c_ptr) :: sphere_spin
   end type
 
   ! ---- the tables; functions that are not given stay c_null_funptr. `size` and `features` are set by the run functions
@@ -445,6 +446,15 @@ contains
     list => none(:, 1:0)
     if (configuration%sphere_count > 0) &
       call c_f_pointer(configuration%sphere_velocity, list, [3_c_size_t, configuration%sphere_count])
+  end function
+
+  function tandem_sphere_spin(configuration) result(list)
+    type(tandem_configuration), intent(in) :: configuration
+    real(c_double), pointer :: list(:, :)
+    real(c_double), target, save :: none(3, 1)
+    list => none(:, 1:0)
+    if (configuration%sphere_count > 0) &
+      call c_f_pointer(configuration%sphere_spin, list, [3_c_size_t, configuration%sphere_count])
   end function
 
   function tandem_sphere_radius(configuration) result(list)

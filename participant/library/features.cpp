@@ -129,7 +129,7 @@ std::vector<Feature> features_of_mbd(const scene::Scene& scene) {
   return features.take();
 }
 
-std::vector<Feature> features_of_dem(const scene::Scene& scene) {
+std::vector<Feature> features_of_dem(const scene::Scene& scene, const std::string& spinning_group) {
   Features features;
   if (!scene.dem) return {};
   const scene::Dem& dem = *scene.dem;
@@ -141,6 +141,7 @@ std::vector<Feature> features_of_dem(const scene::Scene& scene) {
     if (group.fixed) features.add("particles.fixed", where);
     if (std::holds_alternative<scene::InletFill>(group.fill)) features.add("particles.inlet", where);
   }
+  if (!spinning_group.empty()) features.add("particles.spin", quoted("dem.particles", spinning_group));
   for (const scene::Wall& wall : dem.walls) {
     features.add(std::visit(NameOfShape(), wall.shape), quoted("dem.walls", wall.name));
     if (wall.surface_velocity) features.add("wall.surface_velocity", quoted("dem.walls", wall.name));

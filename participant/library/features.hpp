@@ -17,7 +17,8 @@ struct Feature {
 // What a multibody solver has to know, each feature once, with the first place that asks for it.
 std::vector<Feature> features_of_mbd(const scene::Scene& scene);
 // What a particle solver has to know beyond spheres at given places, flat walls of triangles and the ground.
-std::vector<Feature> features_of_dem(const scene::Scene& scene);
+// `spinning_group`: name of the first group with a sphere that rotates at the start; may be empty.
+std::vector<Feature> features_of_dem(const scene::Scene& scene, const std::string& spinning_group);
 
 // Throws Error{scene} for the features that are not in `known`, in which "joint:*" stands for all that begin
 // with "joint:".

@@ -22,7 +22,8 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
     view_ = std::make_unique<SceneView>(configuration, protocol::Role::dem);
     if (!view_->scene().dem)
       throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no load solver is needed");
-    expect_known(features_of_dem(view_->scene()), names_of(table_.features), program_);
+    expect_known(features_of_dem(view_->scene(), view_->spinning_group()), names_of(table_.features),
+                 program_);
     tandem_facts facts(prefix_);
     expect_ok(table_.configure(self_, &view_->configuration(), &facts), "configure");
     for (const std::uint32_t body : view_->boundary()) {

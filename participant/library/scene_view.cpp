@@ -189,11 +189,16 @@ void SceneView::view_spheres(const std::vector<protocol::NamedText>& files) {
   const dem::Fill fill = dem::make_fill(scene_, read);
   for (const Vec3d& p : fill.position) append(position_, p);
   for (const Vec3d& v : fill.velocity) append(velocity_, v);
+  for (const Vec3d& w : fill.spin) append(spin_, w);
+  const auto spins = std::ranges::find_if(fill.spin, [](Vec3d w) { return w != Vec3d{}; });
+  if (spins != fill.spin.end())
+    spinning_group_ = scene_.dem->particles[fill.group[spins - fill.spin.begin()]].name;
   radius_ = fill.radius;
   sphere_material_ = fill.material;
   view_.sphere_count = radius_.size();
   view_.sphere_position = position_.data();
   view_.sphere_velocity = velocity_.data();
+  view_.sphere_spin = spin_.data();
   view_.sphere_radius = radius_.data();
   view_.sphere_material = sphere_material_.data();
 }

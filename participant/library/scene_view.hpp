@@ -24,6 +24,8 @@ class SceneView {
   // Indices of the bodies with walls, ascending.
   const std::vector<std::uint32_t>& boundary() const { return boundary_; }
   bool ground_has_walls() const { return ground_has_walls_; }
+  // Name of the first group with a sphere that rotates at the start; empty where there is none.
+  const std::string& spinning_group() const { return spinning_group_; }
   // State at t = 0 as the scene gives it.
   protocol::BodyMotion start_of(std::uint32_t body) const;
 
@@ -42,9 +44,10 @@ class SceneView {
   std::vector<tandem_pair> pairs_;
   std::vector<tandem_wall> walls_;
   std::vector<std::uint32_t> boundary_, sphere_material_;
-  std::vector<double> position_, velocity_, radius_;
+  std::vector<double> position_, velocity_, spin_, radius_;
   std::vector<const char*> element_columns_;
   bool ground_has_walls_ = false;
+  std::string spinning_group_;
 };
 
 }  // namespace tandem::participant

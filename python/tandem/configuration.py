@@ -54,7 +54,7 @@ class Configuration:
     pairs            list with a, b (indices in materials), restitution, friction, ...; pair(a, b) finds one
     walls            list with name, index, body (or GROUND), material, shape ("plane", "mesh", "cylinder", "sphere"),
                      open, position and quaternion (in the body), point, normal, radius, height, triangles (n x 3 x 3)
-    spheres          position, velocity (n x 3), radius, material (n)
+    spheres          position, velocity, spin (n x 3), radius, material (n)
     domain_min, domain_max   spheres that leave it are removed and counted [m]
     """
 
@@ -78,7 +78,7 @@ class Configuration:
             wall.triangles = _array(wall.triangles, wall.triangle_count, 3, 3)
         n = c.sphere_count
         self.spheres = SimpleNamespace(
-            position=_array(c.sphere_position, n, 3), velocity=_array(c.sphere_velocity, n, 3),
+            position=_array(c.sphere_position, n, 3), velocity=_array(c.sphere_velocity, n, 3), spin=_array(c.sphere_spin, n, 3),
             radius=_array(c.sphere_radius, n), material=_array(c.sphere_material, n, dtype="u4"))
 
     def states(self):

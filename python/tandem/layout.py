@@ -98,7 +98,7 @@ class Configuration(ctypes.Structure):
         ("walls", c_void_p), ("sphere_count", c_size_t), ("sphere_position", c_void_p), ("sphere_velocity", c_void_p),
         ("sphere_radius", c_void_p), ("sphere_material", c_void_p), ("domain_min", c_double * 3),
         ("domain_max", c_double * 3), ("control_count", c_size_t), ("element_count", c_size_t),
-        ("element_columns", ctypes.POINTER(c_char_p))]
+        ("element_columns", ctypes.POINTER(c_char_p)), ("sphere_spin", c_void_p)]
 
 
 def _function(*arguments):

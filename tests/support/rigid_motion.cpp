@@ -141,6 +141,9 @@ Scene moved(const Scene& given, const RigidMotion& motion) {
     body.twist.v_WB = motion.vector(body.twist.v_WB);
     body.twist.w_WB = motion.vector(body.twist.w_WB);
   }
+  if (scene.contact)
+    for (scene::Shape& shape : scene.contact->ground)
+      shape.pose = {motion.point(shape.pose.p_WB), motion.q * shape.pose.q_WB};
   for (scene::Force& force : scene.mbd->forces)
     if (auto* bushing = std::get_if<scene::Bushing>(&force))
       turn_matrix(bushing->stiffness, motion), turn_matrix(bushing->damping, motion);
@@ -231,6 +234,51 @@ Reordered reordered(const Scene& given, std::mt19937_64& random) {
   return r;
 }
 
+namespace {
+
+void scale_gains(scene::Gains& gains, double unit) {
+  gains.proportional *= unit, gains.integral *= unit, gains.derivative *= unit;
+}
+
+void in_units(scene::Motor& motor, double torque) {
+  scale_gains(motor.gains, torque);
+  if (motor.max_torque) *motor.max_torque *= torque;
+  if (motor.torque_speed)
+    for (double& value : motor.torque_speed->values) value *= torque;
+  motor.rotor_inertia *= torque;
+  if (!motor.brake) return;
+  motor.brake->torque *= torque;
+  if (motor.brake->breakaway) *motor.brake->breakaway *= torque;
+}
+
+void in_units(scene::Cylinder& cylinder, double length, double mass) {
+  const double force = mass * length, pressure = mass / length, volume = length * length * length;
+  using Control = scene::CylinderControl;
+  if (cylinder.control != Control::valve)
+    scale(cylinder.target, cylinder.control == Control::stroke ? length : force);
+  scale_gains(cylinder.gains, mass);
+  if (cylinder.max_force) *cylinder.max_force *= force;
+  cylinder.damping *= mass;
+  if (cylinder.friction) cylinder.friction->force *= force, cylinder.friction->slip *= length;
+  if (cylinder.limits) {
+    cylinder.limits->lower *= length, cylinder.limits->upper *= length;
+    cylinder.limits->stiffness *= mass, cylinder.limits->damping /= length;
+  }
+  if (!cylinder.hydraulics) return;
+  scene::HydraulicData& oil = *cylinder.hydraulics;
+  oil.bore_area *= length * length, oil.rod_area *= length * length, oil.dead_volume *= volume;
+  for (double* p : {&oil.bulk_modulus, &oil.supply_pressure, &oil.tank_pressure, &oil.valve_drop,
+                    &oil.laminar_drop, &oil.cavitation_pressure})
+    *p *= pressure;
+  for (std::optional<double>* p : {&oil.pressure_a, &oil.pressure_b})
+    if (*p) **p *= pressure;
+  if (oil.pump_flow) *oil.pump_flow *= volume;
+  oil.valve_flow *= volume;
+  oil.leakage *= volume / pressure;
+}
+
+}  // namespace
+
 Scene in_units(const Scene& given, double length, double mass) {
   const double force = mass * length, torque = force * length;
   Scene scene = given;
@@ -306,6 +354,10 @@ Scene in_units(const Scene& given, double length, double mass) {
       scale_over(load->over, unit);
     } else if (auto* rope = std::get_if<scene::Rope>(&any)) {
       rope->axial_stiffness *= force, rope->damping /= length;
+    } else if (auto* motor = std::get_if<scene::Motor>(&any)) {
+      in_units(*motor, torque);
+    } else if (auto* cylinder = std::get_if<scene::Cylinder>(&any)) {
+      in_units(*cylinder, length, mass);
     } else if (auto* actuator = std::get_if<scene::Actuator>(&any)) {
       const double unit = slides(actuator->joint) ? force : torque;
       scale(actuator->size, unit);

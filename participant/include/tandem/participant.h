@@ -273,6 +273,7 @@ typedef struct tandem_configuration {
   size_t control_count;            /* number of control inputs */
   size_t element_count;            /* number of columns of elements.csv */
   const char *const *element_columns; /* their names, "drive.torque" (docs/results.md) */
+  const double *sphere_spin;       /* angular velocities at the start [rad/s] (sphere_count x 3) */
 } tandem_configuration;
 
 /* Figures for summary.json, from configure and report. A key gets the prefix "mbd_" or "dem_" of the solver's role. It has 1

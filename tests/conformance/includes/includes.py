@@ -27,7 +27,7 @@ BELOW = {
 }
 # The layers of each server, from the lowest up.
 LAYERS = {
-    "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "setup", "solve", "step", "io",
+    "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "contact", "setup", "solve", "step", "io",
                    "coupling", "main.cpp"],
     "dem_server": ["base", "geometry", "grid", "io", "state", "laws", "contact", "neighbours", "step", "backend", "engine",
                    "coupling", "main.cpp"],

@@ -182,6 +182,25 @@ participant.run(Faulty(), "faulty", "2.5")
         said = self.said(3, solver=self.SOLVER.replace("42", "float('nan')"))
         self.assertRegex(said, r'dem_server: the fact "answer" is nan, not finite')
 
+    def test_spins_at_the_start_reach_solvers_that_know_them(self):
+        scene = json.loads(self.scene.read_text())
+        low = scene["dem"]["particles"][0]["fill"]["min"]
+        rows = ["x,y,z,radius,wx,wy,wz"]
+        for i in range(64):
+            x, y, z = (low[a] + 0.02 * (i // 4**a % 4) for a in range(3))
+            rows.append(f"{x},{y},{z},0.005,0,{i},0.5")
+        (self.scene.parent / "spinning.csv").write_text("\n".join(rows) + "\n")
+        group = scene["dem"]["particles"][0]
+        scene["dem"]["particles"] = [{"name": group["name"], "material": group["material"],
+                                      "fill": {"type": "file", "file": "spinning.csv"}}]
+        scene.pop("checks", None)
+        self.scene.write_text(json.dumps(scene))
+        said = self.said(2)
+        self.assertRegex(said, "the scene asks for particles.spin, which faulty 2.5 does not know")
+        said = self.said(2, AT_CONFIGURE="raise participant.Error('spin %s' % c.spheres.spin[7].tolist())",
+                         solver=self.SOLVER.replace('["contact:hooke"', '["particles.spin", "contact:hooke"'))
+        self.assertIn("spin [0.0, 7.0, 0.5]", said)
+
     def test_a_negative_number_of_particles_is_named(self):
         said = self.said(70, solver=self.SOLVER.replace(
             "participant.run(", "participant._LoadCalls.observe = lambda self, frame: setattr(frame.contents, 'count', 2**64 - 1)\nparticipant.run("))

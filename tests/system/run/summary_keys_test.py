@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """The numbers of summary.json that checks may name are those that runs write: common/scene/summary_keys.def."""
 import json
+import os
 import pathlib
 import re
 import subprocess
 
+import fill_test
 import harness
 from harness import SCENES, Case, options
 
@@ -61,6 +63,8 @@ class SummaryKeys(Case):
             key = re.sub(r"^belts\.[^.]+", "belts.WALL", key)
             key = re.sub(r"^elements\..+\.", "elements.COLUMN.", key)
             key = re.sub(r"^inlets\.[^.]+", "inlets.INLET", key)
+            key = re.sub(r"^fills\.[^.]+\.void_fraction", "fills.PACKING.void_fraction", key)
+            key = re.sub(r"^fills\.[^.]+\.(spheres|mass_kg)", r"fills.FILL.\1", key)
             self.seen.add(re.sub(r"^outlets\.[^.]+", "outlets.OUTLET", key))
 
     def test_the_list_is_what_runs_write(self):
@@ -79,6 +83,9 @@ class SummaryKeys(Case):
         self.look_at(box, "--end-time", "0.05", "--restart", self.folder / "first", out="second")
         self.look_at(SCENES / "pendulum.json", out="pendulum")
         self.look_at(SHIPPED / "stiff" / "undamped_contact.json", "--end-time", "0.01", out="plate")
+        os.environ["TANDEM_CACHE"] = str(self.folder / "cache")
+        self.addCleanup(os.environ.pop, "TANDEM_CACHE")
+        self.look_at(fill_test.BED, out="bed")
         self.look_at(SHIPPED / "mbd" / "four_bars.json", out="four_bars")
         self.look_at(SHIPPED / "mbd" / "stops.json", out="stops")
         self.assertEqual(self.known - self.seen - RARE, set(), "listed, and not written by any run here")

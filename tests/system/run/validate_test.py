@@ -104,7 +104,7 @@ class Validate(Case):
         said = self.say("validate", name)
         for line in ['warning: wall "floor" is 900 m wide, .* in a domain of 2 m.*: is the file in mm.* "scale": 0.001',
                      'warning: inlet .late. starts at 1000 s', 'note: wall "floor" is not closed: .*an opening of 3 edges',
-                     'note: contact between bodies is not computed, .* body "pallet" can pass through wall "floor" of the ground']:
+                     'note: walls act on spheres only: body "pallet" can pass through wall "floor" of the ground']:
             self.assertRegex(said, "\n  " + line)
         described = self.say("describe", name)
         self.assertRegex(described, r"floor +in_mm.stl +1 +\(900, 900, 900\) +3 +3 +1 +0 +0 ")

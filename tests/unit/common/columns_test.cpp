@@ -100,7 +100,7 @@ TEST(SensorColumns, FlowOnlyWhereTheSensorHasAnAxis) {
   scene.dem->sensors = {{"a", ground, {}, BoxShape{{1, 2, 4}, {}}, {}},
                         {"b", ground, {}, BoxShape{{1, 2, 4}, {}}, 1}};
   const std::vector<std::string> columns = sensor_columns(scene);
-  EXPECT_EQ(columns.size(), 18u);
+  EXPECT_EQ(columns.size(), 24u);
   EXPECT_THAT(columns, testing::Not(testing::Contains("a.flow")));
   EXPECT_THAT(columns,
               testing::IsSupersetOf({"a.mass", "a.momentum.z", "b.solid_fraction", "b.flow", "b.passed"}));

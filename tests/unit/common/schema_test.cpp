@@ -73,7 +73,7 @@ TEST(Schema, ScenesOfTheUsersPageAreValid) {
     EXPECT_NO_THROW(validate(parse(scene, "page"), "page")) << scene;
     ++scenes;
   }
-  EXPECT_EQ(scenes, 3);
+  EXPECT_EQ(scenes, 4);
 }
 
 // Each key stands in the user's page as `key`.

@@ -122,7 +122,8 @@ TEST_F(SceneFiles, FixedSpheresHaveNoVelocityAndMayBeOutsideTheDomain) {
   write("grains.csv", "x,y,z,vx,vy,vz\n0,0,1,0,0,0\n");
   EXPECT_EQ(verdict(scene),
             "scene.json: dem.particles[0].fixed: the spheres of a fixed group never move, and " +
-                path("grains.csv") + " gives velocities (leave out its columns vx,vy,vz, or fixed)");
+                path("grains.csv") +
+                " gives velocities (leave out its columns vx,vy,vz and wx,wy,wz, or fixed)");
   write("grains.csv", "x,y,z\n0,0,1\n0,5,1\n");
   EXPECT_EQ(verdict(scene), "no error");
 }

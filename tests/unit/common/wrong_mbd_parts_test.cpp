@@ -238,6 +238,16 @@ const WrongScene forces[] = {
      "mbd.forces[0].over.period: the arguments cover 6, and the period is 12 (let the table begin and end "
      "one "
      "period apart)"},
+    {"PeriodInDegrees",
+     PUT("forces/0",
+         R"({"name": "f", "type": "actuator", "joint": "slide", "over": {"joint": "hinge", "arguments_deg": [0, 90, 360], "values": [0, 1, 0], "period_deg": 720}})"),
+     "mbd.forces[0].over.period_deg: the arguments cover 360 deg, and the period is 720 deg (let the table "
+     "begin "
+     "and end one period apart)"},
+    {"ArgumentsInDegreesThatFall",
+     PUT("forces/0",
+         R"({"name": "f", "type": "actuator", "joint": "slide", "over": {"joint": "hinge", "arguments_deg": [0, 90, 45], "values": [0, 1, 0]}})"),
+     "mbd.forces[0].over.arguments_deg[2]: 45 deg does not come after 90 deg (arguments must increase)"},
     {"ForceThatJumpsAtItsPeriod",
      PUT("forces/0",
          R"({"name": "f", "type": "actuator", "joint": "slide", "over": {"joint": "hinge", "arguments": [0, 3, 6], "values": [0, 1, 2], "period": 6}})"),
@@ -309,7 +319,17 @@ const WrongScene forces[] = {
      "hinge.reaction_torque.z, hinge.undetermined, hinge.torque, hinge.speed, "
      "hinge.power, and 3 more)"},
     {"SensorOfUnknownJoint", PUT("sensors", R"(["hing.q"])"),
-     "mbd.sensors[0]: unknown signal 'hing.q' (did you mean 'hinge'?)"},
+     "mbd.sensors[0]: unknown signal 'hing.q' (did you mean 'hinge.q'?)"},
+    {"SensorOfUnknownJointAndColumn", PUT("sensors", R"(["hing.rat"])"),
+     "mbd.sensors[0]: unknown signal 'hing.rat' (did you mean 'hinge.rate'?)"},
+    {"SensorOfUnknownJointAlone", PUT("sensors", R"(["hing.temperature"])"),
+     "mbd.sensors[0]: unknown signal 'hing.temperature' (did you mean 'hinge'?)"},
+    {"SensorOfUnknownMotor",
+     R"([{"op": "remove", "path": "/mbd/joints/1/motion"},
+         {"op": "replace", "path": "/mbd/forces/0", "value": {"name": "motor", "type": "motor", "joint": "hinge",
+          "control": "speed", "target": {"type": "constant", "value": 1}, "gains": {"proportional": 1}}},
+         {"op": "add", "path": "/mbd/sensors", "value": ["motr.torque"]}])",
+     "mbd.sensors[0]: unknown signal 'motr.torque' (did you mean 'motor.torque'?)"},
     {"SensorTwice", PUT("sensors", R"(["hinge.q", "hinge.q"])"),
      "mbd.sensors[1]: the value \"hinge.q\" is given twice (keep one of them)"},
     {"UnknownFormulation", PUT("integrator/formulation", R"("index1")"),
@@ -329,6 +349,15 @@ const WrongScene forces[] = {
      "mbd.integrator.method: 'dormand_prince' does not compute the contacts of mbd.joints[0].limits (leave "
      "out "
      "method, which is then generalized_alpha, or leave out the limits)"},
+    {"BrakeByTheExplicitMethod",
+     R"([{"op": "remove", "path": "/mbd/joints/1/motion"},
+         {"op": "add", "path": "/mbd/integrator", "value": {"method": "dormand_prince"}},
+         {"op": "replace", "path": "/mbd/forces/0", "value": {"name": "m", "type": "motor", "joint": "hinge",
+          "control": "speed", "target": {"type": "constant", "value": 1}, "gains": {"proportional": 1},
+          "brake": {"torque": 5, "breakaway": 6}}}])",
+     "mbd.integrator.method: 'dormand_prince' does not hold a joint at rest, as the breakaway of "
+     "mbd.forces[0].brake asks (leave out method, which is then generalized_alpha, or give the brake a "
+     "slip)"},
     {"ExtrapolationUnderErrorControl", PUT("integrator", R"({"extrapolate": true, "error_tolerance": 1e-6})"),
      "mbd.integrator.extrapolate: two runs with steps of h and h/2 have no step of their own to control "
      "(leave out "

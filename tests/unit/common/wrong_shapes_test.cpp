@@ -17,11 +17,11 @@ namespace {
 const WrongScene wrong_shapes[] = {
     {"ContactOfBodies",
      SHAPES(R"({"name": "a", "use": "contact", "shape": {"type": "sphere", "radius": 1}})"),
-     "mbd.bodies[3].shapes[0].use: contact between bodies is not computed in this version (give wall for the "
-     "particles, or graphics; limits of joints, bushings and springs can hold bodies apart)"},
+     "mbd.bodies[3].shapes[0].use: the scene has no mbd.contact, which gives the materials of contacts (add "
+     "mbd.contact, or give graphics)"},
     {"ShapeWithoutUse", SHAPES(R"({"name": "a", "shape": {"type": "sphere", "radius": 1}})"),
      "mbd.bodies[3].shapes[0]: the key 'use' is missing (add use: wall for the particles, graphics only, or "
-     "contact between bodies, which is not computed yet)"},
+     "contact between bodies)"},
     {"WallWithoutMaterial",
      SHAPES(R"({"name": "a", "use": "wall", "shape": {"type": "sphere", "radius": 1}})"),
      "mbd.bodies[3].shapes[0]: the key 'material' is missing (add material: a wall is in contact with "

@@ -139,8 +139,8 @@ TEST(Fill, StopsAtItsCountFromTheBottomOrTellsHowManyFit) {
 }
 
 TEST(Fill, TakesRadiiAndVelocitiesFromTheFileOrTheGroup) {
-  const NamedParticles full{"a", {{{0, 0, 0}, {1, 0, 0}}, {0.1, 0.2}, {{1, 2, 3}, {4, 5, 6}}}};
-  const NamedParticles bare{"b", {{{0, 5, 0}}, {}, {}}};
+  const NamedParticles full{"a", {{{0, 0, 0}, {1, 0, 0}}, {0.1, 0.2}, {{1, 2, 3}, {4, 5, 6}}, {}}};
+  const NamedParticles bare{"b", {{{0, 5, 0}}, {}, {}, {}}};
   auto a = group("a", scene::FileFill{"a.csv"}, 0, 0), b = group("b", scene::FileFill{"b.csv"}, 0.3, 0.3);
   b.material = MaterialId{1};
   const Fill fill = make_fill(scene_of({a, b}), {full, bare});
@@ -155,6 +155,21 @@ TEST(Fill, TakesRadiiAndVelocitiesFromTheFileOrTheGroup) {
 }
 
 // ---- check_start
+
+// Two spheres that overlap by 3 %, from a file without and with spins.
+TEST(Fill, OverlapsOfABedUnderItsLoadAreAccepted) {
+  const std::vector<Vec3d> positions{{0, 0, 0}, {0, 0, 0.197}}, zero(2);
+  scene::Scene scene = scene_of({group("a", scene::FileFill{"a.csv"}, 0, 0)});
+  const auto start = [&](const std::vector<Vec3d>& spins) {
+    const Fill fill = make_fill(scene, {{"a", {positions, {0.1, 0.1}, zero, spins}}});
+    return message([&] { check_start(fill, make_surface(scene, {}, 0.1), scene); });
+  };
+  EXPECT_THAT(start({}), AllOf(HasSubstr("3 % of the radius of the smaller"), HasSubstr("in the file")));
+  EXPECT_THAT(start(zero), HasSubstr("no error"));
+  scene.dem->overlap_limit = 0.02;
+  EXPECT_THAT(start(zero), AllOf(HasSubstr("3 % of the radius of the smaller"),
+                                 HasSubstr("use a stiffer material, or a larger dem.overlap_limit")));
+}
 
 Fill spheres(const std::vector<std::pair<Vec3d, double>>& list) {
   Fill fill;

@@ -23,6 +23,9 @@ enum Column {
   mass,
   volume,
   solid_fraction,
+  moment_x,
+  moment_y,
+  moment_z,
   momentum_x,
   momentum_y,
   momentum_z,
@@ -87,7 +90,7 @@ TEST(Sensors, SumAllSpheresInTheRegion) {
   Flight run(flying(v, sensors));
   run.advance(1);
   const double n = 320;
-  ASSERT_EQ(run.sensed.size(), 3 * 8u);
+  ASSERT_EQ(run.sensed.size(), 3 * 11u);
   EXPECT_EQ(run.sensed[count], n);
   EXPECT_NEAR(run.sensed[mass], n * ball_mass, 1e-7 * n * ball_mass);
   EXPECT_NEAR(run.sensed[volume], n * ball_volume, 1e-7 * n * ball_volume);
@@ -95,8 +98,12 @@ TEST(Sensors, SumAllSpheresInTheRegion) {
   for (int a = 0; a < 3; ++a)
     EXPECT_NEAR(run.sensed[static_cast<std::size_t>(momentum_x + a)], n * ball_mass * v[a], 1e-7);
   EXPECT_NEAR(run.sensed[energy], 0.5 * n * ball_mass * norm2(v), 1e-7);
-  EXPECT_EQ(run.sensed[8 + count], 160);
-  for (std::size_t c = 0; c < 8; ++c) EXPECT_EQ(run.sensed[16 + c], 0);
+  // The middle of the lattice, after one window of flight.
+  const Vec3d middle = Vec3d{0.2475, 0.0475, 0.0475} + 1e-3 * v;
+  for (int a = 0; a < 3; ++a)
+    EXPECT_NEAR(run.sensed[static_cast<std::size_t>(moment_x + a)], n * ball_mass * middle[a], 1e-6);
+  EXPECT_EQ(run.sensed[11 + count], 160);
+  for (std::size_t c = 0; c < 11; ++c) EXPECT_EQ(run.sensed[22 + c], 0);
 }
 
 // Whatever the orientation of the region, and of the flight through it.
@@ -195,7 +202,7 @@ TEST(Sensors, AreMeasuredAtTheStart) {
   c.origin = "start.json";
   c.backend = "cpu";
   const auto configured = dem::make_solver()->configure(c);
-  ASSERT_EQ(configured.sensors.size(), 8u);
+  ASSERT_EQ(configured.sensors.size(), 11u);
   EXPECT_EQ(configured.sensors[count], 320);
 }
 

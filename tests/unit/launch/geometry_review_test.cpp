@@ -217,11 +217,26 @@ TEST(GeometryReview, BodiesPassThroughEachOther) {
   EXPECT_THAT(
       reviewed(file).notes,
       ElementsAre(
-          "contact between bodies is not computed, walls act on spheres only: body \"chassis\" can pass "
-          "through wall \"floor\" of the ground, and so for 1 other pair; limits of joints, bushings "
-          "and springs can hold bodies apart"));
+          "walls act on spheres only: body \"chassis\" can pass through wall \"floor\" of the ground, and so "
+          "for 1 other pair; shapes with \"use\": \"contact\" (mbd.contact), limits of joints, bushings and "
+          "springs can hold bodies apart"));
   mbd.joints.push_back(joint(scene::JointType::prismatic, ground, {0}));
   EXPECT_THAT(reviewed(file).notes, ElementsAre(HasSubstr("body \"wheel\" can pass through wall \"floor\"")));
+  const auto touching = [](const char* name, BodyId body) {
+    scene::Shape shape;
+    shape.name = name;
+    shape.use = scene::ShapeUse::contact;
+    shape.body = body;
+    shape.geometry = scene::SphereShape{0.1};
+    return shape;
+  };
+  file.scene.contact.emplace();
+  file.scene.contact->ground = {touching("floor", ground)};
+  file.scene.shapes = {touching("tyre", {1})};
+  EXPECT_THAT(reviewed(file).notes, IsEmpty()) << "the wheel touches the floor";
+  file.scene.contact->ignore = {{BodyId{1}, ground}};
+  EXPECT_THAT(reviewed(file).notes, ElementsAre(HasSubstr("body \"wheel\" can pass through wall \"floor\"")));
+  file.scene.contact.reset(), file.scene.shapes.clear();
   mbd.joints[0].type = scene::JointType::fixed;
   EXPECT_THAT(reviewed(file).notes, IsEmpty()) << "welded to what the rail holds";
 }

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "mbd_server/contact/contact_force.hpp"
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {
@@ -229,6 +230,76 @@ scene::Scene with_elements() {
   cam.table = scene::CamTable{{0, 1, 2, 3, 4, 5}, {0, .3, .9, 1.1, .4, 0}, 5.0};
   mbd.couplers.push_back(cam);
   return scene;
+}
+
+// Two bodies that touch at one point, which sticks or slides.
+scene::Scene touching(scene::Geometry a, scene::Geometry b, Vec3d apart, bool hertz, double friction) {
+  scene::Scene scene = machines::empty();
+  scene.contact.emplace();
+  scene.contact->materials = {{"stuff", 200, 0, 0, .6, friction}};
+  if (hertz) scene.contact->materials[0] = {"stuff", {}, 2000, .3, .6, friction};
+  const auto add = [&](const char* name, Vec3d position, scene::Geometry geometry) {
+    scene::Shape shape;
+    shape.name = name;
+    shape.use = scene::ShapeUse::contact;
+    shape.body = machines::add_body(scene, name, 1, {.3, .2, .4}, position);
+    shape.contact_material = 0;
+    shape.geometry = std::move(geometry);
+    scene.shapes.push_back(shape);
+  };
+  add("a", apart, std::move(a));
+  add("b", {0, 0, 0}, std::move(b));
+  return scene;
+}
+
+TEST(IterationMatrix, OfContactsIsTheDerivative) {
+  struct Touching {
+    const char* what;
+    scene::Geometry a, b;
+    Vec3d apart;  // from b to a
+    bool hertz = false;
+  };
+  const scene::SphereShape ball{.5};
+  const scene::BoxShape box{{1, 1.2, .8}, {}};
+  const scene::CapsuleShape rod{.3, 1, {}};
+  const scene::PlaneShape plane{{0, 0, 0}, {0, .6, .8}};
+  const scene::HullShape hull{{{0, 0, -.5}, {.4, .1, .3}, {-.4, .2, .3}, {0, -.4, .4}}, {}, 1};
+  for (const Touching& t : {Touching{"sphere on plane", ball, plane, {.1, .2, .35}},
+                            Touching{"the same, Hertz", ball, plane, {.1, .2, .35}, true},
+                            Touching{"box on plane", box, plane, {.1, .2, .3}},
+                            Touching{"hull on plane", hull, plane, {.1, .2, .2}},
+                            Touching{"capsule on plane", rod, plane, {.1, .2, .3}},
+                            Touching{"sphere on sphere", ball, ball, {.1, .5, .75}},
+                            Touching{"the same, Hertz", ball, ball, {.1, .5, .75}, true},
+                            Touching{"sphere on a capsule's side", ball, rod, {.3, .6, .1}},
+                            Touching{"sphere on a capsule's end", ball, rod, {.2, .2, 1.1}},
+                            Touching{"sphere on a box's face", ball, box, {.1, .2, .8}},
+                            Touching{"sphere on a box's edge", ball, box, {.7, .8, .1}},
+                            Touching{"sphere on a box's corner", ball, box, {.7, .75, .6}},
+                            Touching{"sphere inside a box", ball, box, {.1, .2, .3}}})
+    for (const double friction : {0., .02, 50.}) {
+      Differences d(touching(t.a, t.b, t.apart, t.hertz, friction));
+      d.scatter(0);
+      const State start = initial_state(d.model, d.scene);
+      d.state.q = start.q;
+      d.system.move(start.q, d.any(d.model.freedoms, .02), d.state.q);
+      d.state.contacts.setZero(ContactRow::count, d.model.contact_points);
+      for (int k = 0; k < d.model.contact_points; ++k) {
+        auto column = d.state.contacts.col(k);
+        column[ContactRow::mass] = .5, column[ContactRow::entry_rate] = 3;
+        column[ContactRow::stiffness] = 60, column[ContactRow::damping] = 2;
+        column.segment<3>(ContactRow::on_a) = d.any(3, .1),
+        column.segment<3>(ContactRow::on_b) = d.any(3, .3);
+      }
+      d.system.residual(d.state);
+      bool any = false;
+      for (int k = 0; k < d.model.contact_points; ++k) {
+        const ContactForce f = evaluate(d.model, d.model.contact_pairs[0], k, d.state, d.system.links());
+        any |= f.normal > 0 && f.slides == (friction > 0 && friction < 1);
+      }
+      EXPECT_TRUE(any) << t.what;
+      d.expect_inverse(t.what, all_weights, d.state.q, d.x0);
+    }
 }
 
 TEST(IterationMatrix, OfMachineElementsIsTheDerivative) {

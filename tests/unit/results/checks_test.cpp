@@ -147,6 +147,22 @@ TEST_F(Evaluate, RelativeAndAbsoluteTolerance) {
   EXPECT_FALSE(absolute.passed);
 }
 
+TEST_F(Evaluate, ExpectsAnotherSignalTimesAFactor) {
+  // box.position.z ends at 40, the largest hinge.q is -1.
+  const CheckResult result = judge({.name = "c",
+                                    .of = "box.position.z",
+                                    .expected_of = "summary.lost_particles",
+                                    .times = 13,
+                                    .tolerance = 0.03});
+  EXPECT_EQ(result.check.expected, 39);
+  EXPECT_DOUBLE_EQ(result.error, 1.0 / 39);
+  EXPECT_TRUE(result.passed);
+  EXPECT_EQ(
+      judge({.name = "c", .of = "box.position.z", .reduce = "max", .expected_of = "hinge.q"}).check.expected,
+      -1);
+  expect_error({.name = "c", .of = "box.position.z", .expected_of = "box.position.x"}, "box.position.z");
+}
+
 TEST_F(Evaluate, ExpectedZero) {
   EXPECT_FALSE(judge({.name = "c", .of = "summary.lost_particles", .expected = 0, .tolerance = 1}).passed);
   EXPECT_TRUE(

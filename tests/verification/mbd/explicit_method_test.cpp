@@ -148,6 +148,109 @@ TEST(ExplicitMethod, WorkPrecisionOfAChain) {
   }
 }
 
+// A rod on a motor with PID control and a filter, below its limit, whose target is harmonic: three states of
+// second and first order, and the rotor's inertia.
+scene::Scene controlled_rod() {
+  scene::Scene scene = machines::empty();
+  const BodyId rod = machines::add_body(scene, "rod", 2, {.01, 2. / 12, 2. / 12}, {.5, 0, 0});
+  const BodyId tip = machines::add_body(scene, "tip", .5, {.01, .02, .02}, {1.2, 0, 0});
+  machines::add_joint(scene, "hinge", scene::JointType::revolute, ground, rod, {0, 0, 0}, {0, 1, 0});
+  machines::add_joint(scene, "wrist", scene::JointType::revolute, rod, tip, {1, 0, 0}, {0, 1, 0});
+  scene::Motor m;
+  m.name = "motor", m.joint = JointId{0}, m.control = scene::MotorControl::position;
+  m.target = scene::HarmonicMotion{.1, .5, 1.5, 0};
+  m.gains = {80, 100, 6, .05, {}};
+  m.gear_ratio = 3, m.rotor_inertia = .02;
+  scene.mbd->forces.push_back(m);
+  m.name = "turn", m.joint = JointId{1}, m.control = scene::MotorControl::speed;
+  m.target = scene::ConstantMotion{2, 0}, m.gains = {.5, 2, 0, 0, {}};
+  scene.mbd->forces.push_back(m);
+  return scene;
+}
+
+// A boom on a hydraulic cylinder whose valve opens by a smooth ramp.
+scene::Scene hydraulic_boom() {
+  scene::Scene scene = machines::empty();
+  const BodyId boom = machines::add_body(scene, "boom", 50, {1, 12, 12}, {1, 0, .5});
+  machines::add_joint(scene, "foot", scene::JointType::revolute, ground, boom, {0, 0, .2}, {0, 1, 0});
+  scene::Cylinder c;
+  c.name = "lift", c.body_b = boom, c.point_a = {.4, 0, -.3}, c.point_b = {1, 0, .4};
+  c.control = scene::CylinderControl::valve, c.limits = scene::Limits{-.3, .3, 1e8, 1};
+  scene::HydraulicData oil;
+  oil.bore_area = 2e-3, oil.rod_area = 8e-4, oil.dead_volume = 1e-4;
+  oil.supply_pressure = 15e6, oil.tank_pressure = 2e5, oil.valve_flow = 1e-3, oil.laminar_drop = 3e6;
+  oil.pressure_a = 3e6, oil.pressure_b = 2e6, oil.leakage = 1e-11;
+  c.hydraulics = oil, c.damping = 4e3;
+  c.target = scene::HarmonicMotion{.3, .2, 2, 0};
+  scene.mbd->forces.push_back(c);
+  return scene;
+}
+
+struct StateErrors {
+  double angle = 0, states = 0;
+};
+StateErrors state_errors(const machines::Run& run, const machines::Run& fine) {
+  return {difference(run, fine), run.system.state_norm(run.state.z - fine.state.z)};
+}
+
+// The coordinates of the boom converge faster in these steps, since their errors come from the oil.
+TEST(ExplicitMethod, FifthOrderWithStatesOfFirstOrder) {
+  const struct {
+    const char* name;
+    scene::Scene (*make)();
+    double end;
+    int steps;
+  } cases[] = {{"controlled rod", controlled_rod, .5, 20}, {"hydraulic boom", hydraulic_boom, .2, 80}};
+  for (const auto& c : cases) {
+    Explicit fine(c.make(), c.end / (c.steps * 64));
+    fine.advance(c.steps * 64);
+    OrderTable table(std::string(c.name) + " by Dormand-Prince", {"states / scale"});
+    double last = 0;
+    for (int steps = c.steps; steps <= 4 * c.steps; steps *= 2) {
+      Explicit run(c.make(), c.end / steps);
+      run.advance(steps);
+      const StateErrors e = state_errors(run, fine);
+      table.add(c.end / steps, {e.states});
+      std::printf("%d steps: error of the coordinates %.3e rad, slope %s\n", steps, e.angle,
+                  slope_text(last, e.angle).c_str());
+      if (last > 0) {
+        EXPECT_GT(std::log2(last / e.angle), 4.5);
+      }
+      last = e.angle;
+    }
+    table.expect_order(5, .5);
+    // The implicit method shares only the forces.
+    machines::Run implicit(c.make(), c.end / 20'000, .8, {1e-12, 20});
+    implicit.advance(20'000);
+    const StateErrors e = state_errors(implicit, fine);
+    std::printf(
+        "%s by generalized-alpha in 20,000 steps: coordinates differ by %.1e, states by %.1e (1e-7 "
+        "allowed)\n",
+        c.name, e.angle, e.states);
+    EXPECT_LT(e.angle, 1e-7);
+    EXPECT_LT(e.states, 1e-7);
+  }
+}
+
+// The states limit the steps, and the tolerance their error.
+TEST(ExplicitMethod, ErrorControlWatchesTheStates) {
+  Explicit fine(hydraulic_boom(), .2 / 6400);
+  fine.advance(6400);
+  double last = 0;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    Explicit run(hydraulic_boom(), .2);
+    run.control(.2, tolerance);
+    const StateErrors e = state_errors(run, fine);
+    std::printf("hydraulic boom, tolerance %.0e: %d steps, coordinates %.1e, states %.1e\n", tolerance,
+                static_cast<int>(run.method.counters().steps), e.angle, e.states);
+    EXPECT_LT(e.states, 30 * tolerance);
+    if (last > 0) {
+      EXPECT_LT(e.states, .2 * last);
+    }
+    last = e.states;
+  }
+}
+
 // The energy error of A01 that its budget allows, at every step.
 TEST(ExplicitMethod, KeepsTheEnergyOfThePendulum) {
   Explicit run(machines::pendulum(), 10);

@@ -255,8 +255,8 @@ TEST(Hydraulics, CavitationIsMarked) {
   EXPECT_NE(all.find("cavitat"), std::string::npos);
 }
 
-// An arm that two cylinders and a motor move, in any position and orientation of the world.
-TEST(Hydraulics, AnArmMovesTheSameInAnyFrame) {
+// An arm that two cylinders and a motor move.
+scene::Scene driven_arm() {
   scene::Scene scene = machines::empty();
   const BodyId boom = machines::add_body(scene, "boom", 50, {1, 12, 12}, {1, 0, .5});
   const BodyId stick = machines::add_body(scene, "stick", 20, {.4, 3, 3}, {2.5, 0, .4});
@@ -280,6 +280,12 @@ TEST(Hydraulics, AnArmMovesTheSameInAnyFrame) {
   m.name = "turn", m.joint = JointId{2}, m.target = scene::ConstantMotion{1, 0}, m.gains = {20, 50, 0, 0, {}};
   m.max_torque = 5, m.gear_ratio = 10, m.rotor_inertia = 1e-3;
   scene.mbd->forces.push_back(m);
+  return scene;
+}
+
+// In any position and orientation of the world.
+TEST(Hydraulics, AnArmMovesTheSameInAnyFrame) {
+  const scene::Scene scene = driven_arm();
   const auto run = [](const scene::Scene& s) {
     machines::Run r(s, 1e-3, .8, {1e-12, 30});
     r.advance(300);
@@ -303,6 +309,68 @@ TEST(Hydraulics, AnArmMovesTheSameInAnyFrame) {
               worst, worst_pressure);
   EXPECT_LT(worst, 1e-8);
   EXPECT_LT(worst_pressure, 1);
+}
+
+// The arm with a rope over a pulley, a brake, a sum of three angles and a force-controlled cylinder, in
+// millimetres and tonnes and in other units.
+TEST(Elements, AreTheSameInOtherUnits) {
+  scene::Scene scene = driven_arm();
+  const BodyId fan = machines::add_body(scene, "fan", 3, {.1, .2, .1}, {0, 1, 1});
+  const BodyId crane = machines::add_body(scene, "crane", 8, {.4, .4, .4}, {2, 1, 1});
+  machines::add_joint(scene, "axle", scene::JointType::revolute, ground, fan, {0, 1, 1}, {0, 1, 0});
+  machines::add_joint(scene, "mast", scene::JointType::prismatic, ground, crane, {2, 1, 1}, {0, 0, 1});
+  auto& motor = std::get<scene::Motor>(scene.mbd->forces.back());
+  motor.brake = scene::Brake{.5, .1, {}, {}, ""};
+  scene::Motor blower;
+  blower.name = "blower", blower.joint = JointId{3}, blower.control = scene::MotorControl::throttle;
+  blower.torque_speed = scene::ForceTable{{0, 50, 100}, {2, 1, 0}}, blower.gear_ratio = 4;
+  blower.target = scene::ConstantMotion{.7, 0}, blower.rotor_inertia = 1e-3;
+  scene.mbd->forces.push_back(blower);
+  scene::Cylinder lift;
+  lift.name = "jack", lift.body_b = crane, lift.point_a = {2.2, 1, -1}, lift.point_b = {2, 1, 1};
+  lift.control = scene::CylinderControl::force, lift.target = scene::RampMotion{70, 110, 0, .2, {}, 0};
+  lift.damping = 30, lift.friction = scene::Friction{4, .02, {}},
+  lift.limits = scene::Limits{-.5, .01, 1e5, .2};
+  scene.mbd->forces.push_back(lift);
+  scene::Rope rope;
+  rope.name = "rope", rope.points = {{ground, {3, 0, 3}}, {BodyId{1}, {2.5, 0, .4}}, {ground, {2, 0, 3}}};
+  rope.length = 5.1, rope.axial_stiffness = 2e4, rope.damping = .05;
+  scene.mbd->forces.push_back(rope);
+  scene::Coupler sum;
+  sum.name = "sum", sum.type = scene::CouplerType::linear;
+  sum.terms = {{JointId{2}, {}, 1}, {JointId{3}, {}, -.3}, {JointId{4}, {}, 2}};
+  scene.mbd->couplers.push_back(sum);
+  struct Seen {
+    std::array<Vector3d, 5> places;
+    VectorXd states, coordinates;
+  };
+  const auto run = [](const scene::Scene& s) {
+    machines::Run r(s, 1e-3, .8, {1e-12, 30});
+    r.advance(300);
+    Seen seen{{}, r.state.z.cwiseQuotient(r.model.state_scale), r.state.q};
+    for (int b = 0; b < 5; ++b) seen.places[static_cast<std::size_t>(b)] = r.position(b);
+    return seen;
+  };
+  const Seen here = run(scene);
+  double moved = 0;
+  for (int b = 0; b < 5; ++b) {
+    const Vec3d p = scene.mbd->bodies[static_cast<std::size_t>(b)].pose.p_WB;
+    moved = std::max(moved, (here.places[static_cast<std::size_t>(b)] - Vector3d(p.x, p.y, p.z)).norm());
+  }
+  EXPECT_GT(moved, .1);
+  for (const auto& [length, mass] : {std::pair{1e3, 1e-3}, {1e-3, 1e-9}, {1e2, 1e6}, {1., 1e6}}) {
+    const Seen there = run(test::in_units(scene, length, mass));
+    double worst = 0;
+    for (std::size_t b = 0; b < 5; ++b)
+      worst = std::max(worst, (there.places[b] / length - here.places[b]).norm());
+    const double states = (there.states - here.states).cwiseAbs().maxCoeff();
+    std::printf(
+        "units of 1/%g m and 1/%g kg: positions differ by %.1e m, states by %.1e of their scales "
+        "(1e-8 allowed)\n",
+        length, mass, worst, states);
+    EXPECT_LT(worst, 1e-8);
+    EXPECT_LT(states, 1e-8);
+  }
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ def energy_of(answer):
 def examine(task):
     """One machine from its number to its verdict."""
     number, options = task
-    written, meant, facts = machines.make(options.seed, number)
+    written, meant, facts = machines.make(options.seed, number, options.elements)
     row = dict(facts)
     with tempfile.TemporaryDirectory() as folder:
         answer = solve(options.program, written, options.seconds, folder)
@@ -214,6 +214,7 @@ def main():
     parser.add_argument("--count", type=int, default=100, help="number of machines")
     parser.add_argument("--seed", type=int, default=1, help="of the generator")
     parser.add_argument("--only", type=int, nargs="*", help="numbers of the machines to run, of this seed")
+    parser.add_argument("--elements", action="store_true", help="machines with motors, cylinders, ropes and couplers")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at once")
     parser.add_argument("--seconds", type=int, default=20, help="processor time for each reference, and for each run")
     parser.add_argument("--keep", help="folder for scenes that are not right")
@@ -233,7 +234,7 @@ def main():
     verdicts = ["ok", "refused", "warned", "wrong", "died", "no reference"]
     count = collections.Counter((r["class"], r["verdict"]) for r in rows)
     print(f"\n{'class':18s}{'machines':>9s}" + "".join(f"{('right' if v == 'ok' else v):>14s}" for v in verdicts))
-    for kind in (*machines.CLASSES, "all"):
+    for kind in (*(machines.ELEMENT_CLASSES if options.elements else machines.CLASSES), "all"):
         line = [sum(n for (k, v), n in count.items() if kind in (k, "all") and v == verdict) for verdict in verdicts]
         print(f"{kind:18s}{sum(line):9d}" + "".join(f"{n:14d}" for n in line))
     references = collections.Counter(r.get("reference", "not needed") for r in rows)

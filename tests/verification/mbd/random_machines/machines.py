@@ -11,6 +11,8 @@ import numpy as np
 import pose
 
 CLASSES = ("tree", "free bodies", "planar loop", "spatial loop", "over-constrained", "cut joints", "gears", "stiff", "mixed")
+# Of machines with elements, made for check.py --elements.
+ELEMENT_CLASSES = ("motors", "cylinders", "hydraulics", "ropes", "linear couplers")
 WINDOWS = 8
 
 
@@ -424,6 +426,144 @@ class Builder:
         new["size"] = self.function(J if kind == "torque" else min(body["mass"], 5 * J))
         self.forces.append(new)
 
+    # -- elements
+    def name_force(self):
+        return f"force{len(self.forces) + 1}"
+
+    def gains(self, inertia, of_rate):
+        if of_rate:
+            return {"proportional": inertia * self.log(1, 10), "integral": self.pick([0.0, inertia * self.log(1, 30)])}
+        w = self.log(2, 8)
+        new = {"proportional": inertia * w * w, "integral": self.pick([0.0, inertia * w**3 * self.u(0.1, 0.4)]),
+               "derivative": inertia * w * self.u(0.3, 2)}
+        return new | ({"filter": self.u(0.02, 0.2) / w} if self.chance(0.5) else {})
+
+    def motor(self):
+        """On a revolute joint; False where there is none without a drive."""
+        driven = {f["joint"] for f in self.forces if f["type"] == "motor"}
+        free = [j for j in self.joints if j["type"] == "revolute" and not j.get("motion") and not j.get("cut")
+                and j["name"] not in driven]
+        if not free:
+            return False
+        joint = self.pick(free)
+        J, gear = self.gyration(joint["child"]), self.u(1, 10)
+        control = self.pick(["speed", "position", "throttle"])
+        new = {"name": self.name_force(), "type": "motor", "joint": joint["name"], "control": control, "gear_ratio": gear}
+        if control == "throttle":
+            # A straight line, which the cubic through it is as well.
+            rate = self.u(1, 5)
+            new["torque_speed"] = {"arguments": [0.0, gear * rate], "values": [J * self.log(0.3, 10) / gear, 0.0]}
+            new["target"] = {"type": "harmonic", "amplitude": self.u(-1, 1), "frequency": self.u(0.1, 1), "phase": self.u(-3, 3)}
+        else:
+            new["gains"] = self.gains(J, control == "speed")
+            new["target"] = self.function(1) if control == "speed" else self.motion()
+            if self.chance(0.3):
+                new["max_torque"] = J * self.log(1, 30) / gear
+        if self.chance(0.3):
+            new["brake"] = {"torque": J * self.log(0.1, 1), "slip": self.u(0.1, 1)}
+        self.forces.append(new)
+        self.parts.append("motor")
+        return True
+
+    def line(self):
+        """Bodies and points of a line element, and the smaller mass."""
+        b = self.pick(self.bodies)["name"]
+        a = self.pick(["ground", "ground"] + [c["name"] for c in self.bodies if c["name"] != b])
+        m = min(self.at(c)["mass"] for c in (a, b) if c != "ground")
+        q = self.place(b) + self.u(0, 0.3) * unit(self.rng.normal(size=3))
+        p = self.place(a) + self.u(0, 0.3) * unit(self.rng.normal(size=3))
+        if a == "ground" or np.linalg.norm(p - q) < 0.8:
+            p = q + self.u(1, 2) * unit(self.rng.normal(size=3))
+        return {"body_a": a, "body_b": b, "point_a": p, "point_b": q}, m
+
+    def cylinder(self, hydraulic):
+        line, m = self.line()
+        new = {"name": self.name_force(), "type": "cylinder", **line}
+        w = self.log(1, 8)
+        if self.chance(0.7):
+            new["damping"] = m * w * self.log(0.03, 1)
+        if hydraulic:
+            long = float(np.linalg.norm(line["point_b"] - line["point_a"]))
+            area, supply = self.u(0.01, 0.05), m * self.log(30, 300)
+            new |= {"control": "valve", "limits": {"lower": -0.9 * long, "upper": 9.0, "stiffness": 1.0}}
+            new["target"] = self.pick([{"type": "constant", "value": 0.0, "rate": 0.0},
+                                       {"type": "ramp", "to": self.u(-1, 1), "duration": self.u(0.3, 2)},
+                                       {"type": "harmonic", "amplitude": self.u(-1, 1), "frequency": self.u(0.1, 1),
+                                        "phase": self.u(-3, 3)}])
+            volume = 0.01 + area * long  # about: of chamber a
+            new["hydraulics"] = {
+                "bore_area": area, "rod_area": area * self.u(0, 0.7), "dead_volume": 0.01,
+                "bulk_modulus": m * w * w * volume / area**2, "supply_pressure": supply, "tank_pressure": self.pick([0.0, 0.05 * supply]),
+                "valve_flow": area * self.log(0.1, 1), "valve_drop": supply * self.u(0.2, 0.5),
+                "laminar_drop": supply * self.log(0.03, 0.3), "leakage": self.pick([0.0, area * self.log(0.01, 0.3) / supply]),
+                "pressure_a": supply * self.u(0, 1), "pressure_b": supply * self.u(0, 1), "cavitation_pressure": -1e18}
+            if self.chance(0.3):
+                new["hydraulics"]["pump_flow"] = area * self.log(0.03, 0.3)
+        elif self.chance(0.3):
+            new |= {"control": "force", "target": self.function(m * self.log(1, 10))}
+        else:
+            new |= {"control": "stroke", "gains": self.gains(m, False), "target": self.motion()}
+            if self.chance(0.3):
+                new["max_force"] = m * self.log(3, 30)
+        self.forces.append(new)
+        self.parts.append("hydraulic cylinder" if hydraulic else "cylinder")
+
+    def rope(self):
+        points, m = [], math.inf
+        for _ in range(self.pick([2, 3, 3, 4])):
+            for _ in range(20):
+                body = self.pick(["ground"] + [c["name"] for c in self.bodies])
+                p = (2 if body == "ground" else 0.3) * unit(self.rng.normal(size=3)) + self.place(body)
+                if not points or (body != points[-1]["body"] and np.linalg.norm(p - points[-1]["point"]) > 0.5):
+                    points.append({"body": body, "point": p})
+                    break
+        if len(points) < 2 or all(p["body"] == "ground" for p in points):
+            return
+        m = min(self.at(p["body"])["mass"] for p in points if p["body"] != "ground")
+        length = sum(float(np.linalg.norm(p["point"] - q["point"])) for p, q in zip(points, points[1:])) * self.u(0.9, 1.1)
+        self.forces.append({"name": self.name_force(), "type": "rope", "points": points, "length": length,
+                            "axial_stiffness": m * self.log(2, 10) ** 2 * length, "damping": self.log(0.01, 0.3)})
+        self.parts.append("rope")
+
+    def linear_coupler(self, parent):
+        o, e1, e2, n = self.frame(parent)
+        terms, names = [], []
+        for k in range(self.pick([2, 3, 3, 4])):
+            slide = self.chance(0.3)
+            p = o + 0.8 * k * e1
+            names.append(self.body(p + self.u(0, 0.3) * self.perpendicular(n) + self.u(-0.2, 0.2) * n))
+            joint = self.joint("prismatic" if slide else "revolute", parent, names[-1], p, axis=self.direction(),
+                               **({"rate": self.u(0.3, 1.5)} if k == 0 else {}))
+            joint["child"] = names[-1]
+            joint.pop("parent", None)
+            if parent != "ground":
+                joint["parent"] = parent
+            terms.append({"joint": joint["name"], "factor": self.log(0.3, 3) * self.pick([-1, 1])})
+        self.couplers.append({"name": f"coupler{len(self.couplers) + 1}", "type": "linear", "terms": terms})
+        self.parts.append(f"sum of {len(terms)}")
+        self.load_joint(self.joints[-1], names[-1])
+
+
+def grow_with_elements(b, kind):
+    if kind == "linear couplers":
+        parent = "ground" if b.chance(0.6) else b.add_joint_body("ground", ("revolute", "spherical"))
+        b.linear_coupler(parent)
+    elif b.chance(0.5):
+        for _ in range(b.pick([1, 2, 3])):
+            b.add_joint_body(b.pick(["ground"] + [x["name"] for x in b.bodies]))
+    else:
+        b.pick([b.planar_loop, b.planar_loop, b.spatial_loop])("ground")
+    for _ in range(b.pick([1, 1, 2])):
+        if kind == "motors" and not b.motor():
+            b.add_joint_body("ground", ("revolute",))
+            b.motor()
+        elif kind in ("cylinders", "hydraulics"):
+            b.cylinder(kind == "hydraulics")
+        elif kind == "ropes":
+            b.rope()
+    if b.chance(0.3):
+        b.spring()
+
 
 def grow(b, kind):
     if kind == "tree":
@@ -496,6 +636,10 @@ def with_units(b, L, M, T, gravity):
             g["frequency"] /= T
         return g
 
+    def gains(g, unit, T):
+        per = {"proportional": unit, "integral": unit / T, "derivative": unit * T, "filter": T}
+        return {key: value * per[key] for key, value in g.items()}
+
     force, torque = M * L / T**2, M * L * L / T**2
     joints = []
     for j in b.joints:
@@ -531,14 +675,53 @@ def with_units(b, L, M, T, gravity):
         elif kind == "bushing":
             units = np.array([1, 1, 1, L * L, L * L, L * L]) * M / T**2
             f["stiffness"], f["damping"] = f["stiffness"] * units, f["damping"] * units * T
+        elif kind == "motor":
+            of_rate = f["control"] == "speed"
+            f["target"] = function(f["target"], 1 / T if of_rate else 1)
+            if "gains" in f:
+                f["gains"] = gains(f["gains"], torque * T if of_rate else torque, T)
+            if "max_torque" in f:
+                f["max_torque"] *= torque
+            if "torque_speed" in f:
+                f["torque_speed"] = {"arguments": [x / T for x in f["torque_speed"]["arguments"]],
+                                     "values": [x * torque for x in f["torque_speed"]["values"]]}
+            if "brake" in f:
+                f["brake"] = {"torque": f["brake"]["torque"] * torque, "slip": f["brake"]["slip"] / T}
+        elif kind == "cylinder":
+            f["target"] = function(f["target"], {"stroke": L, "force": force, "valve": 1}[f["control"]])
+            for key, u in (("damping", M / T), ("max_force", force)):
+                if key in f:
+                    f[key] *= u
+            if "gains" in f:
+                f["gains"] = gains(f["gains"], M / T**2, T)
+            if "limits" in f:
+                f["limits"] = {"lower": f["limits"]["lower"] * L, "upper": f["limits"]["upper"] * L,
+                               "stiffness": f["limits"]["stiffness"] * M / T**2}
+            if "hydraulics" in f:
+                pressure, flow = force / L**2, L**3 / T
+                units = {"bore_area": L**2, "rod_area": L**2, "dead_volume": L**3, "bulk_modulus": pressure,
+                         "supply_pressure": pressure, "tank_pressure": pressure, "pump_flow": flow, "valve_flow": flow,
+                         "valve_drop": pressure, "laminar_drop": pressure, "leakage": flow / pressure,
+                         "pressure_a": pressure, "pressure_b": pressure, "cavitation_pressure": 1}
+                f["hydraulics"] = {key: value * units[key] for key, value in f["hydraulics"].items()}
+        elif kind == "rope":
+            f["points"] = [{**p, "point": p["point"] * L} for p in f["points"]]
+            f["length"] *= L
+            f["axial_stiffness"] *= force
+            f["damping"] *= T / L
         elif kind == "actuator":
             f["size"] = function(f["size"], force if slides[f["joint"]] else torque)
         else:
             f["size"] = function(f["size"], force if kind == "force" else torque)
         forces.append(f)
-    couplers = [{**c, "ratio": c["ratio"] * (L if c["type"] == "rack_and_pinion" else 1)} for c in b.couplers]
+    couplers = []
+    for c in b.couplers:
+        if c["type"] == "linear":
+            couplers.append({**c, "terms": [{**t, "factor": t["factor"] / (L if slides[t["joint"]] else 1)} for t in c["terms"]]})
+        else:
+            couplers.append({**c, "ratio": c["ratio"] * (L if c["type"] == "rack_and_pinion" else 1)})
     mbd = {"bodies": bodies, "joints": joints, "couplers": couplers, "forces": forces}
-    return {"tandem": "1.0", "name": "machine", "gravity": np.asarray(gravity, float),
+    return {"tandem": "1.1", "name": "machine", "gravity": np.asarray(gravity, float),
             "mbd": {k: v for k, v in mbd.items() if v}}
 
 
@@ -579,19 +762,25 @@ def has_loops(b):
         b.closing([(None, j.get("parent", "ground"), j["child"], None, None) for j in tree]))
 
 
-def make(seed, number):
+def make(seed, number, elements=False):
     """Scene as it is written, the machine that it stands for, and what is known about it.
 
     The machine is the scene itself, but where loops are closed by rounded data: that is the one before rounding.
     """
     rng = np.random.default_rng([seed, number])
     b = Builder(rng)
-    kind = CLASSES[number % len(CLASSES)]
-    grow(b, kind)
+    classes = ELEMENT_CLASSES if elements else CLASSES
+    kind = classes[number % len(classes)]
+    (grow_with_elements if elements else grow)(b, kind)
     L = b.log(1e-3, 1e3) if b.chance(0.4) else b.log(0.05, 20)
     M = b.log(1, 10) if b.extreme else b.log(1e-2, 1e3)
     weightless = b.chance(0.15)
     T = math.sqrt(L / 9.81) * (b.log(0.1, 10) if weightless else 1)
+    if kind == "hydraulics":
+        # The format has least pressures, of 1 Pa.
+        lowest = min(f["hydraulics"][key] for f in b.forces if "hydraulics" in f
+                     for key in ("bulk_modulus", "supply_pressure", "valve_drop"))
+        M = max(M, 10 * L * T**2 / lowest)
     gravity = np.zeros(3) if weightless else 9.81 * b.pick([np.array([0, 0, -1.0]), unit(rng.normal(size=3))])
     scene = with_units(b, L, M, T, gravity)
     duration = T * b.u(0.5, 2.5)

@@ -20,6 +20,13 @@ def product(p, q):
                            + np.cross(p[1:], q[1:])])
 
 
+def parts(scene, group):
+    """Everything of a group that has positions: also the points of ropes."""
+    for thing in scene["mbd"].get(group, []):
+        yield thing
+        yield from thing.get("points", [])
+
+
 def moved(scene, q, t):
     """The scene after a rotation by the quaternion q and a translation t."""
     R = matrix(q)
@@ -30,7 +37,7 @@ def moved(scene, q, t):
         turned = product(q, body.get("orientation", [1, 0, 0, 0]))
         body["orientation"] = turned / np.linalg.norm(turned)
     for group in ("bodies", "joints", "forces"):
-        for thing in new["mbd"].get(group, []):
+        for thing in parts(new, group):
             for key in POINTS:
                 if key in thing:
                     thing[key] = R @ np.asarray(thing[key], float) + t
@@ -53,7 +60,7 @@ def rounded(scene, digits, length):
     decimals = digits - 1 - math.floor(math.log10(length))
     new = copy.deepcopy(scene)
     for group in ("bodies", "joints", "forces"):
-        for thing in new["mbd"].get(group, []):
+        for thing in parts(new, group):
             for key in POINTS + ("length",):
                 if key in thing:
                     thing[key] = np.round(np.asarray(thing[key], float), decimals)

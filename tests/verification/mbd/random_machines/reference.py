@@ -146,11 +146,17 @@ class Machine:
         self._A, self._B = [], []
         self._rows = []      # constraint rows: (list of (base, factor), function of time or None)
         self._forces = []    # joint forces: (base, law(value, rate, t))
+        self._elements = []  # the same with states z: (base, law(value, rate, t, z) -> force, z', first z, count)
+        self._ropes = []     # (bases of the spans, length, stiffness, damping)
+        self.z0, self.z_scale = [], []
         self.coordinate = {}  # base row of a joint's coordinate
         self.full = {}        # base rows of all relative motion of a joint
         for j in mbd.get("joints", []):
             self._add_joint(j)
         for c in mbd.get("couplers", []):
+            if c["type"] == "linear":
+                self._rows.append(([(self.coordinate[t["joint"]], t["factor"]) for t in c["terms"]], None))
+                continue
             a, b = self.coordinate[c["joint_a"]], self.coordinate[c["joint_b"]]
             self._rows.append(([(b, 1.0), (a, -c["ratio"])], None))
         self.loads, self.bushings = [], []
@@ -247,6 +253,15 @@ class Machine:
         elif kind == "rotational_spring_damper":
             k, c, q0 = f.get("stiffness", 0), f.get("damping", 0), f.get("angle", 0)
             self._forces.append((self.coordinate[f["joint"]], lambda q, r, t: -k * (q - q0) - c * r))
+        elif kind == "motor":
+            self._add_motor(f)
+        elif kind == "cylinder":
+            self._add_cylinder(f)
+        elif kind == "rope":
+            points = f["points"]
+            spans = [self._A_row(self.index[p["body"]], self.index[q["body"]], p["point"], q["point"], None)
+                     for p, q in zip(points, points[1:])]
+            self._ropes.append((spans, f["length"], f["axial_stiffness"] / f["length"], f.get("damping", 0)))
         elif kind == "actuator":
             g = function_of_time(f["size"])
             self._forces.append((self.coordinate[f["joint"]], lambda q, r, t: g(t)[0]))
@@ -264,6 +279,89 @@ class Machine:
             follows = f.get("follows", False)
             self.loads.append((body, kind == "torque", point, self._local(body, e) if follows else e, follows,
                                function_of_time(f["size"])))
+
+    def _add_element(self, base, law, z0, scale):
+        self._elements.append((base, law, len(self.z0), len(z0)))
+        self.z0 += z0
+        self.z_scale += scale
+
+    def _controller(self, gains, target, of_rate, limit, scale):
+        """PID with a filter and anti-windup, and its states."""
+        kp, ki, kd, tau = (gains.get(k, 0.0) for k in ("proportional", "integral", "derivative", "filter"))
+        windup = gains.get("anti_windup", kp / ki if ki else 1.0)
+        g, integral, filtered = function_of_time(target), ki != 0, kd != 0 and tau > 0
+
+        def law(q, r, t, z):
+            value, rate, _ = g(t)
+            e = value - (r if of_rate else q)
+            asked, zd = kp * e, []
+            if filtered:
+                zd = [(e - z[-1]) / tau]
+                asked += kd * zd[0]
+            else:
+                asked += kd * (rate - r)
+            asked += ki * z[0] if integral else 0.0
+            force = min(max(asked, -limit), limit)
+            return force, ([e + (force - asked) / (ki * windup)] if integral else []) + zd
+        count = int(integral) + int(filtered)
+        return law, [0.0] * count, ([scale * self.scene["end_time"]] if integral else []) + [scale] * filtered
+
+    def _add_motor(self, f):
+        if f.get("rotor_inertia"):
+            raise CannotGo("rotors")
+        base, gear = self.coordinate[f["joint"]], f.get("gear_ratio", 1.0)
+        if "brake" in f:
+            T, slip = f["brake"]["torque"], f["brake"]["slip"]
+            self._forces.append((base, lambda q, r, t: -T * np.tanh(r / slip)))
+        if f["control"] == "throttle":
+            (x0, x1), (y0, y1) = f["torque_speed"]["arguments"], f["torque_speed"]["values"]
+            g = function_of_time(f["target"])
+
+            def law(q, r, t):
+                x = g(t)[0]
+                speed = gear * r * (-1 if x < 0 else 1)
+                return x * gear * (y0 + (y1 - y0) * (speed - x0) / (x1 - x0))
+            self._forces.append((base, law))
+            return
+        self._add_element(base, *self._controller(f["gains"], f["target"], f["control"] == "speed",
+                                                  gear * f.get("max_torque", np.inf), 1.0))
+
+    def _add_cylinder(self, f):
+        base = self._A_row(self.index[f.get("body_a", "ground")], self.index[f["body_b"]], f["point_a"], f["point_b"], None)
+        L = float(np.linalg.norm(np.asarray(f["point_b"], float) - np.asarray(f["point_a"], float)))
+        c = f.get("damping", 0.0)
+        if f["control"] == "force":
+            g = function_of_time(f["target"])
+            self._forces.append((base, lambda q, r, t: g(t)[0] - c * r))
+            return
+        if f["control"] == "stroke":
+            law, z0, scale = self._controller(f["gains"], f["target"], False, f.get("max_force", np.inf), self.size)
+        else:
+            law, z0, scale = self._hydraulics(f)
+
+        def damped(q, r, t, z):
+            force, zd = law(q - L, r, t, z)
+            return force - c * r, zd
+        self._add_element(base, damped, z0, scale)
+
+    def _hydraulics(self, f):
+        h, limits, g = f["hydraulics"], f["limits"], function_of_time(f["target"])
+        A, B = h["bore_area"], h["bore_area"] - h.get("rod_area", 0.0)
+        V0, K, pump, leak = h["dead_volume"], h["bulk_modulus"], h.get("pump_flow", np.inf), h.get("leakage", 0.0)
+        ps, pt, drop, d = h["supply_pressure"], h["tank_pressure"], h["valve_drop"], h["laminar_drop"]
+        factor = h["valve_flow"] / drop * (drop * drop + d * d) ** 0.25
+        edge = lambda x, dp: factor * x * dp / (dp * dp + d * d) ** 0.25
+
+        def law(s, v, t, z):
+            if not limits["lower"] < s < limits["upper"]:
+                raise CannotGo("a cylinder at its end")
+            x = g(t)[0]
+            qa = min(edge(x, ps - z[0]), pump) if x >= 0 else edge(-x, pt - z[0])
+            qb = edge(x, pt - z[1]) if x >= 0 else min(edge(-x, ps - z[1]), pump)
+            lost = leak * (z[0] - z[1])
+            return A * z[0] - B * z[1], [K * (qa - lost - A * v) / (V0 + A * (s - limits["lower"])),
+                                         K * (qb + lost + B * v) / (V0 + B * (limits["upper"] - s))]
+        return law, [h["pressure_a"], h["pressure_b"]], [ps, ps]
 
     def _compile(self):
         A, B, n = self._A, self._B, self.n
@@ -291,17 +389,20 @@ class Machine:
             if f:
                 self.driven.append((i, f))
         self.forces = [(flat(base), law) for base, law in self._forces]
+        self.elements = [(flat(base), law, slice(i, i + count)) for base, law, i, count in self._elements]
+        self.ropes = [([flat(base) for base in spans], *data) for spans, *data in self._ropes]
         # Base rows that the equations need; the others only say what a joint at rest is.
         used = np.abs(self.C).sum(0) > 0
         for k, _ in self.forces:
             used[k] = True
         self.flat = flat
         # Angles that some law or row takes the value of are integrated along.
-        wanted = set(k for k, _ in self.forces) | {k for i in range(self.rows) for k in np.nonzero(self.C[i])[0]}
+        wanted = {k for k, _ in self.forces} | {k for k, *_ in self.elements} | {k for i in range(self.rows) for k in np.nonzero(self.C[i])[0]}
         self.angles = [k - self.nA for k in sorted(wanted) if k >= self.nA and self.Bkind[k - self.nA] == "angle"]
         self.m = len(self.angles)
+        self.tail0 = np.concatenate([np.zeros(self.m), self.z0])
 
-    # State: x, q, v, w of the bodies, then angles.
+    # State: x, q, v, w of the bodies, then angles and the states of elements.
     def pack(self, x, q, v, w, angles):
         return np.concatenate([x[:self.n].ravel(), q[:self.n].ravel(), v[:self.n].ravel(), w[:self.n].ravel(), angles])
 
@@ -318,6 +419,7 @@ class Machine:
         """Everything that rows and forces are made of."""
         s = State()
         s.x, s.q, s.v, s.w, s.angles = self.unpack(y)
+        s.z = s.angles[self.m:]
         s.R = matrices(s.q)
         Aa, Ab, Ba, Bb = self.Aa, self.Ab, self.Ba, self.Bb
         wa, wb = s.w[Aa], s.w[Ab]
@@ -382,13 +484,24 @@ class Machine:
     def applied(self, s, t):
         f = np.zeros((self.n + 1, 6))
         f[:self.n, :3] = self.mass[:, None] * self.gravity
-        for k, law in self.forces:
+        def argument(k):
             if k >= self.nA:
                 b = k - self.nA
-                q = s.angles[self.angles.index(b)] if self.Bkind[b] == "angle" else 0.0
-            else:
-                q = np.linalg.norm(s.d[k]) if self.along[k] else s.e[k] @ s.d[k]
-            f += s.G[k] * law(q, s.rate[k], t)
+                return s.angles[self.angles.index(b)] if self.Bkind[b] == "angle" else 0.0
+            return np.linalg.norm(s.d[k]) if self.along[k] else s.e[k] @ s.d[k]
+
+        for k, law in self.forces:
+            f += s.G[k] * law(argument(k), s.rate[k], t)
+        s.z_rate = np.zeros(len(self.z0))
+        for k, law, own in self.elements:
+            force, s.z_rate[own] = law(argument(k), s.rate[k], t, s.z[own])
+            f += s.G[k] * force
+        for spans, length, stiffness, damping in self.ropes:
+            e = sum(argument(k) for k in spans) - length
+            tension = stiffness * e * (1 + damping * sum(s.rate[k] for k in spans)) if e > 0 else 0.0
+            if tension > 0:
+                for k in spans:
+                    f -= s.G[k] * tension
         for body, torque, point, e, follows, size in self.loads:
             F = size(t)[0] * (s.R[body] @ e if follows else e)
             if torque:
@@ -477,7 +590,7 @@ class Machine:
             return np.full_like(y, np.nan)  # a trial step went too far: scipy takes a shorter one
         n = self.n
         return np.concatenate([s.v[:n].ravel(), quaternion_rates(s.q[:n], s.w[:n]).ravel(), a[:, :3].ravel(),
-                               a[:, 3:].ravel(), s.rate[[self.nA + b for b in self.angles]]])
+                               a[:, 3:].ravel(), s.rate[[self.nA + b for b in self.angles]], s.z_rate])
 
     def least(self, s, residual):
         """The smallest motion, in the metric of the masses, that takes away a residual of all rows."""
@@ -511,7 +624,7 @@ class Machine:
         s = self.evaluate(y, t)
         angles = np.array([self.value(s, self.nA + b) for b in self.angles])
         u = self.least(s, self.residuals(s, t)[1])
-        return self.pack(s.x, s.q, s.v[:self.n] - u[:, :3], s.w[:self.n] - u[:, 3:], angles), moved
+        return self.pack(s.x, s.q, s.v[:self.n] - u[:, :3], s.w[:self.n] - u[:, 3:], np.concatenate([angles, s.z])), moved
 
     def roots(self):
         """The free bodies: of each group that joints of the tree hold together, the first that is no joint's child."""
@@ -533,7 +646,7 @@ class Machine:
         """State at the start: as the tree of the joints moves with the rates of the scene, then changed by the least, in the
         metric of the masses, that closes the loops and keeps those rates."""
         n = self.n
-        y = self.pack(self.x0, self.q0, np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(self.m))
+        y = self.pack(self.x0, self.q0, np.zeros((n, 3)), np.zeros((n, 3)), self.tail0)
         s = self.evaluate(y, 0.0)
         rows, right, held, rates = [], [], [], []
         for j in self.scene["mbd"].get("joints", []):
@@ -582,7 +695,7 @@ class Machine:
             d = self.unweighted(s, change)
             s.v[:n] += d[:, :3]
             s.w[:n] += d[:, 3:]
-        return self.pack(self.x0, self.q0, s.v, s.w, np.zeros(self.m))
+        return self.pack(self.x0, self.q0, s.v, s.w, self.tail0)
 
     def perturbed(self, y, t, share, rng):
         """A state nearby that the constraints allow."""
@@ -603,7 +716,7 @@ def integrate(machine, y, times, method, tolerance, seconds):
     n, T = machine.n, times[-1]
     size = machine.size
     atol = np.concatenate([np.full(3 * n, size), np.ones(4 * n), np.full(3 * n, size / T), np.full(3 * n, 1 / T),
-                           np.ones(machine.m)]) * tolerance
+                           np.ones(machine.m), machine.z_scale]) * tolerance
     begin, t, states, worst = time.process_time(), 0.0, [], 0.0
     conditions = []  # the smallest until each time
     step = None

@@ -1,0 +1,44 @@
+// The force at one point of contact between two links, and its derivatives.
+//
+// At depth d, the force along the normal is
+//   N = k d^n (1 + c d'),   c = x / max(v, v_d / 2),   n = 1 or 3/2 (Hertz),
+// and never pulls. v is the rate at which the contact began, x the number of the restitution e, for which an
+// impact without loads ends with the rate e v for any k, n and mass (forces/joint_force.hpp). v_d = sqrt(2 U
+// / m) is the rate at which the mass that the point feels would have the energy U = k d^(n+1) / (n+1) of the
+// spring: a contact that loads press deeper than its impact did has a finite damping.
+//
+// Friction is that of a spring and a damper along the surfaces, -k_t s - c_t v_t, at most mu N. s is the
+// distance along the surfaces of two points that are fixed to the two links while the contact sticks
+// (State::contacts). So a contact that sticks does not creep, however long it lasts.
+#pragma once
+
+#include "mbd_server/contact/touch.hpp"
+
+namespace tandem::mbd {
+
+struct ContactForce {
+  Vector3d p, n;                         // point of contact [m], normal from a to b
+  Vector3d force = Vector3d::Zero();     // on b; a gets the opposite [N]
+  double normal = 0;                     // N [N]
+  Vector3d friction = Vector3d::Zero();  // part of the force across n [N]
+  Vector3d stretch = Vector3d::Zero();   // s [m]
+  Vector3d velocity = Vector3d::Zero();  // of b relative to a at p [m/s]
+  double gap = 0;                        // [m]
+  double energy = 0;                     // stored in both springs [J]
+  bool slides = false;                   // friction is mu N
+  // Change of the wrench on b in the world per displacement of a and of b, and per velocity of b relative to
+  // a.
+  Matrix6d by_a, by_b, by_velocity;
+};
+
+// Whether the point is in contact.
+bool touches(const State& state, int column);
+ContactForce evaluate(const Model& model, const ContactPair& pair, int point, const State& state,
+                      const std::vector<LinkMotion>& links);
+
+// Energy of the normal spring at that depth [J].
+double normal_energy(const ContactLaw& law, double depth);
+// Largest depth of an impact of that mass at that rate, without damping [m].
+double impact_depth(const ContactLaw& law, double mass, double rate);
+
+}  // namespace tandem::mbd

@@ -1,0 +1,24 @@
+// Where two shapes are nearest to each other, and how that changes with the displacements of their links.
+#pragma once
+
+#include "mbd_server/kinematics/kinematics.hpp"
+
+namespace tandem::mbd {
+
+using Matrix3x6d = Eigen::Matrix<double, 3, 6>;
+
+// Distance of the shapes at one point of the pair: negative where they overlap [m]. `rate` gets its rate
+// [m/s].
+double gap(const Model& model, const ContactPair& pair, int point, const std::vector<LinkMotion>& links,
+           double* rate = nullptr);
+
+struct Touch {
+  Vector3d n;      // normal, from a to b, unit
+  Vector3d p;      // point of contact: in the middle between the two surfaces along n [m]
+  double gap = 0;  // [m]
+  // Changes of n and p per displacement of the links. That of the gap is n . (dx_b - dx_a) at p.
+  Matrix3x6d dn_a, dn_b, dp_a, dp_b;
+};
+Touch touch(const Model& model, const ContactPair& pair, int point, const std::vector<LinkMotion>& links);
+
+}  // namespace tandem::mbd

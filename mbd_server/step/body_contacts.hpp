@@ -1,0 +1,99 @@
+// Contacts between bodies. As stops of joints (stop_contacts.hpp), they are events of the motion:
+//
+// - a step that would pass the begin of a contact is repeated so that it ends there, to 1e-10 of the size of
+//   the system; a step that would pass an end is repeated so that it ends there to 1 % of its length: a force
+//   that falls to zero within a step would give more impulse than it has;
+// - for some durations of an impact after its begin, steps are a part of that duration, and grow after it;
+// - after each step, friction that slides moves the ends of its spring (contact_force.hpp), so that the
+//   spring has the force with which the step ended.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "mbd_server/solve/machine_system.hpp"
+#include "mbd_server/step/generalized_alpha.hpp"
+#include "mbd_server/step/stiction.hpp"
+#include "mbd_server/step/stop_contacts.hpp"
+
+namespace tandem::mbd {
+
+struct BodyContactCounters {
+  std::uint64_t contacts = 0;  // points that came into contact
+  std::uint64_t steps = 0;     // taken with a point in contact
+  double largest_force = 0;    // normal force of a point [N]
+  double largest_depth = 0;    // [m]
+};
+
+class BodyContacts {
+ public:
+  // Takes one step of at most the given length of the state, and returns its length [s].
+  using Stride = std::function<double(double)>;
+
+  // A step that is repeated takes back what `stops` and `stiction` have counted in it.
+  BodyContacts(const Model& model, GeneralizedAlpha& method, MachineSystem& system, const State& state,
+               StopContacts& stops, Stiction& stiction);
+
+  // Sets the contacts of a state at the start: shapes that overlap or touch there are in contact.
+  void prepare(State& state);
+  // The requested step, up to which steps grow again after a contact [s].
+  void begin(double requested) { requested_ = requested; }
+  // Takes one step of at most h that passes no begin of a contact. Returns its length [s].
+  double step(State& state, double h, const Stride& stride);
+
+  const BodyContactCounters& counters() const { return counters_; }
+  // Energy that contacts have dissipated since the last call [J].
+  double take_lost() { return std::exchange(lost_, 0.0); }
+
+ private:
+  // Distance of the shapes at a point [m], [m/s] (points).
+  struct Gap {
+    double value = 0, rate = 0;
+  };
+  // What a point in contact does [W], [J].
+  struct Exchange {
+    double power = 0, energy = 0;
+  };
+
+  enum class Change {
+    begins,   // a contact
+    returns,  // the shapes overlap within the step only
+    ends      // a contact
+  };
+  struct Passage {
+    double time = 0;  // estimate, from the begin of the step [s]
+    Change change = Change::begins;
+    int column = 0;  // of the point
+  };
+
+  void measure(State& state, std::vector<Gap>& gaps);
+  std::optional<Passage> passed(double h) const;
+  double repeat(State& state, double h, const Stride& stride);
+  double cut(State& state, double h, const Passage& first, const Stride& stride);
+  bool enter_all(State& state);
+  void enter(State& state, std::size_t pair, int point, double rate);
+  void accept(State& state, double h);
+  void record(const State& state, std::vector<Exchange>& at);
+  double longest_step(const State& state, double h) const;
+  template <class Act>
+  void for_each_point(const Act& act) const;
+
+  const Model& model_;
+  GeneralizedAlpha& method_;
+  MachineSystem& system_;
+  StopContacts& stops_;
+  Stiction& stiction_;
+  StopContacts::Mark stops_before_;
+  StictionCounters stiction_before_;
+  double requested_ = 0;
+  double tolerance_ = 0;  // of a gap [m]
+  BodyContactCounters counters_;
+  double lost_ = 0;  // [J]
+  State before_;
+  std::vector<Gap> gaps_before_, gaps_;        // (points)
+  std::vector<Exchange> at_begin_, at_end_;    // (points)
+  VectorXd unit_, response_, dlambda_, zero_;  // wrench of a unit force at a point, and its effect
+};
+
+}  // namespace tandem::mbd

@@ -1,0 +1,99 @@
+// Wrong scenes: contact between bodies. What is not computed is refused.
+#include "tests/unit/common/wrong_scene.hpp"
+
+namespace tandem::scene::test {
+namespace {
+
+#define HARD R"({"name": "hard", "stiffness": 1e6, "restitution": 0.5, "friction": 0.3})"
+#define ROUND R"({"name": "round", "young": 1e9, "poisson": 0.3, "restitution": 0.5, "friction": 0.3})"
+#define FLOOR(material)                         \
+  R"({"name": "floor", "material": ")" material \
+  R"(", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}})"
+// The good scene with mbd.contact of these materials and further keys, and one shape of contact of 'bird'.
+#define CONTACT(materials, more, shape)                                                                   \
+  R"([{"op": "add", "path": "/mbd/contact", "value": {"materials": [)" materials R"(])" more              \
+  R"(}}, {"op": "add", "path": "/mbd/bodies/3/shapes", "value": [{"name": "a", "use": "contact", )" shape \
+  R"(}]}])"
+#define BALL R"("material": "hard", "shape": {"type": "sphere", "radius": 0.1})"
+
+const WrongScene wrong_contacts[] = {
+    {"ShapeWithoutMaterial", CONTACT(HARD, "", R"("shape": {"type": "sphere", "radius": 0.1})"),
+     "mbd.bodies[3].shapes[0]: the key 'material' is missing (add material: the name of one in "
+     "mbd.contact.materials)"},
+    {"MaterialOfParticles",
+     CONTACT(HARD, "", R"("material": "glass", "shape": {"type": "sphere", "radius": 0.1})"),
+     "mbd.bodies[3].shapes[0].material: unknown name 'glass' (known materials: hard)"},
+    {"StiffnessAndYoung",
+     CONTACT(
+         R"({"name": "hard", "stiffness": 1, "young": 1e9, "poisson": 0.3, "restitution": 1, "friction": 0})",
+         "", BALL),
+     "mbd.contact.materials[0]: the material has a stiffness and Young's modulus (give stiffness [N/m], or "
+     "young [Pa] and poisson)"},
+    {"NeitherStiffnessNorYoung", CONTACT(R"({"name": "hard", "restitution": 1, "friction": 0})", "", BALL),
+     "mbd.contact.materials[0]: the material has neither a stiffness nor Young's modulus (give stiffness "
+     "[N/m], or young [Pa] and poisson)"},
+    {"YoungWithoutPoisson",
+     CONTACT(R"({"name": "hard", "young": 1e9, "restitution": 1, "friction": 0})", "", BALL),
+     "mbd.contact.materials[0]: 'young' without 'poisson' (give both, or the stiffness of a point of contact "
+     "[N/m])"},
+    {"PairTwice",
+     CONTACT(HARD "," ROUND,
+             R"(, "pairs": [{"a": "hard", "b": "round", "stiffness": 1}, {"a": "round", "b": "hard"}])",
+             BALL),
+     "mbd.contact.pairs[1]: the pair is given twice (leave one of them out)"},
+    {"MixedMaterials", CONTACT(HARD "," ROUND, R"(, "ground": [)" FLOOR("round") "]", BALL),
+     "mbd.bodies[3].shapes[0].material: 'round' and 'hard' touch, and one has a stiffness, the other Young's "
+     "modulus (give the pair a stiffness in mbd.contact.pairs)"},
+    {"HertzOfABox",
+     CONTACT(ROUND, R"(, "ground": [)" FLOOR("round") "]",
+             R"("material": "round", "shape": {"type": "box", "size": [1, 1, 1]})"),
+     "mbd.bodies[3].shapes[0].material: the contact of the box 'a' of 'bird' with the plane 'floor' of "
+     "'ground' has no curvature for Hertz's law (give their materials a stiffness [N/m] in place of young "
+     "and "
+     "poisson)"},
+    {"Mesh", CONTACT(HARD, "", R"("material": "hard", "shape": {"type": "mesh", "file": "a.stl"})"),
+     "mbd.bodies[3].shapes[0].shape: contact of a mesh is not computed in this version (use a sphere, a "
+     "capsule, a box, a convex_hull or a plane)"},
+    {"OpenBox",
+     CONTACT(HARD, "", R"("material": "hard", "shape": {"type": "box", "size": [1, 1, 1], "open": ["+z"]})"),
+     "mbd.bodies[3].shapes[0].shape.open: a box with open faces is a surface, and contact is that of a solid "
+     "(leave out open)"},
+    {"CapsuleOfSegments",
+     CONTACT(HARD, "",
+             R"("material": "hard", "shape": {"type": "capsule", "radius": 1, "height": 1, "segments": 8})"),
+     "mbd.bodies[3].shapes[0].shape.segments: contact is that of the round capsule (leave out segments)"},
+    {"UnknownBodyToIgnore", CONTACT(HARD, R"(, "ignore": [["bird", "crat"]])", BALL),
+     "mbd.contact.ignore[0]: unknown name 'crat' (did you mean 'crate'?)"},
+    {"PairThatIsNotComputed",
+     CONTACT(
+         HARD,
+         R"(, "ground": [{"name": "post", "material": "hard", "shape": {"type": "capsule", "radius": 1, "height": 1}}])",
+         R"("material": "hard", "shape": {"type": "box", "size": [1, 1, 1]})"),
+     "mbd.bodies[3].shapes[0].shape: the contact of the box 'a' of 'bird' with the capsule 'post' of "
+     "'ground' "
+     "is not computed in this version (add their bodies to mbd.contact.ignore, or use spheres: a sphere "
+     "touches planes, spheres, capsules and boxes, and a plane touches all but planes)"},
+    {"ExplicitMethod", R"([{"op": "add", "path": "/mbd/contact", "value": {"materials": [)" HARD R"(]}},
+         {"op": "replace", "path": "/mbd/integrator", "value": {"method": "dormand_prince"}}])",
+     "mbd.integrator.method: 'dormand_prince' does not compute the contacts of mbd.contact (leave out "
+     "method, "
+     "which is then generalized_alpha)"},
+    {"Extrapolation", R"([{"op": "add", "path": "/mbd/contact", "value": {"materials": [)" HARD R"(]}},
+         {"op": "add", "path": "/mbd/integrator/extrapolate", "value": true}])",
+     "mbd.integrator.extrapolate: contacts begin at other times in each of the two runs (leave out "
+     "extrapolate or mbd.contact)"},
+    {"Equilibrium", R"([{"op": "add", "path": "/mbd/contact", "value": {"materials": [)" HARD R"(]}},
+         {"op": "remove", "path": "/mbd/bodies/3/velocity"}, {"op": "remove", "path": "/mbd/bodies/3/angular_velocity"},
+         {"op": "remove", "path": "/mbd/joints/0/rate"}, {"op": "add", "path": "/mbd/start", "value": "equilibrium"}])",
+     "mbd.start: the search for the equilibrium knows no contacts between bodies (leave out start, and let "
+     "the bodies come to rest in a run)"},
+};
+
+TEST(WrongContacts, AcceptsABallOnAFloor) {
+  EXPECT_EQ(verdict_on_patch(CONTACT(HARD, R"(, "ground": [)" FLOOR("hard") "]", BALL)), "no error");
+}
+
+INSTANTIATE_TEST_SUITE_P(Contacts, WrongSceneTest, testing::ValuesIn(wrong_contacts), name_of_case);
+
+}  // namespace
+}  // namespace tandem::scene::test

@@ -1,0 +1,455 @@
+// Bodies that touch, against closed forms.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "common/error.hpp"
+#include "common/log.hpp"
+#include "mbd_server/coupling/mbd_solver.hpp"
+#include "tests/support/rigid_motion.hpp"
+#include "tests/verification/mbd/machines.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+constexpr double g = 9.81;
+
+void expect_near(const std::string& what, double measured, double expected, double tolerance) {
+  std::printf("  %-58s expected %14.9g measured %14.9g tolerance %.1e\n", what.c_str(), expected, measured,
+              tolerance);
+  EXPECT_NEAR(measured, expected, tolerance) << what;
+}
+
+// Bodies on the plane z = 0 of the ground.
+struct ContactScene {
+  scene::Scene scene;
+
+  explicit ContactScene(Vec3d gravity = {0, 0, -g}) : scene(machines::empty(gravity)) {
+    scene.contact.emplace();
+    scene.contact->materials.push_back({"stuff", 1e6, 0, 0, 1, 0});
+  }
+  scene::ContactMaterial& material() { return scene.contact->materials[0]; }
+  void add_floor() {
+    scene::Shape floor;
+    floor.name = "floor";
+    floor.use = scene::ShapeUse::contact;
+    floor.contact_material = 0;
+    floor.geometry = scene::PlaneShape{{0, 0, 0}, {0, 0, 1}};
+    scene.contact->ground.push_back(floor);
+  }
+  BodyId add(const std::string& name, double mass, Vec3d inertia, Vec3d position, scene::Geometry geometry) {
+    const BodyId body = machines::add_body(scene, name, mass, inertia, position);
+    scene::Shape shape;
+    shape.name = name;
+    shape.use = scene::ShapeUse::contact;
+    shape.body = body;
+    shape.contact_material = 0;
+    shape.is_of_body = true;
+    shape.geometry = std::move(geometry);
+    scene.shapes.push_back(shape);
+    return body;
+  }
+  BodyId add_ball(const std::string& name, double mass, double radius, Vec3d position) {
+    const double J = 0.4 * mass * radius * radius;
+    return add(name, mass, {J, J, J}, position, scene::SphereShape{radius});
+  }
+  BodyId add_box(const std::string& name, double mass, Vec3d size, Vec3d position) {
+    const auto J = [&](double a, double b) { return mass / 12 * (a * a + b * b); };
+    return add(name, mass, {J(size.y, size.z), J(size.x, size.z), J(size.x, size.y)}, position,
+               scene::BoxShape{size, {}});
+  }
+  scene::Body& body(BodyId id) { return scene.mbd->bodies[id.value]; }
+};
+
+struct ContactRun {
+  MbdSolver solver;
+  double window;
+  std::uint64_t done = 0;
+  double start_energy, largest_energy;
+
+  ContactRun(scene::Scene scene, double window_) : window(window_) {
+    log::setup("test", "error");
+    scene.coupling.window = window;
+    solver.configure(scene);
+    start_energy = largest_energy = solver.observe().energy;
+  }
+  void advance(int windows) {
+    protocol::LoadSet loads;
+    for (int i = 0; i < windows; ++i, ++done) {
+      loads.window = {done, to_nanoseconds(static_cast<double>(done) * window),
+                      to_nanoseconds(static_cast<double>(done + 1) * window)};
+      solver.advance(loads);
+      largest_energy = std::max(largest_energy, solver.observe().energy);
+    }
+  }
+  Vec3d position(std::size_t body = 0) { return solver.observe().bodies[body].pose.p_WB; }
+  Vec3d velocity(std::size_t body = 0) { return solver.observe().bodies[body].twist.v_WB; }
+  Vec3d spin(std::size_t body = 0) { return solver.observe().bodies[body].twist.w_WB; }
+  nlohmann::json facts() { return nlohmann::json::parse(solver.report().facts); }
+};
+
+// Contacts never give energy.
+void expect_energy(const ContactRun& run, double tolerance) {
+  expect_near("largest energy above that at the start, over that",
+              (run.largest_energy - run.start_energy) / run.start_energy, 0, tolerance);
+}
+
+// Height to which a body returns that falls by `fall`, over `fall`.
+double rebound(ContactRun& run, double lowest, double fall) {
+  double best = 0;
+  bool met = false;
+  const int windows = static_cast<int>(std::ceil(2.2 * std::sqrt(2 * fall / g) / run.window));
+  for (int i = 0; i < windows; ++i) {
+    run.advance(1);
+    const double v = run.velocity().z;
+    met = met || v > 0;
+    if (met && v > 0) best = std::max(best, run.position().z - lowest + v * v / (2 * g));
+  }
+  return best / fall;
+}
+
+TEST(Contact, BallReturnsByItsRestitution) {
+  for (const bool hertz : {false, true})
+    for (const double e : {0.1, 0.5, 0.9, 1.0})
+      for (const double step : {1e-2, 1e-3}) {
+        ContactScene s;
+        s.add_floor();
+        s.add_ball("ball", 1, 0.1, {0, 0, 0.6});
+        s.material().restitution = e;
+        s.material().stiffness = 1e8;
+        if (hertz) s.material().stiffness.reset(), s.material().young = 1e11, s.material().poisson = 0.3;
+        ContactRun run(s.scene, step);
+        const double returned = std::sqrt(rebound(run, 0.1, 0.5));
+        expect_near(std::string(hertz ? "Hertz" : "linear") + ", steps of " + std::to_string(step) +
+                        " s: rate after over before",
+                    returned, e, 0.01 * e);
+        expect_energy(run, e < 1 ? 1e-9 : 5e-4);  // of second order in the step
+      }
+}
+
+TEST(Contact, BoxReturnsByItsRestitution) {
+  for (const double e : {0.3, 0.8}) {
+    for (const Vec3d size : {Vec3d{0.2, 0.2, 0.2}, Vec3d{0.4, 0.3, 0.02}}) {
+      ContactScene s;
+      s.add_floor();
+      s.add_box("box", 1, size, {0, 0, 0.5 + size.z / 2});
+      s.material().restitution = e;
+      ContactRun run(s.scene, 1e-3);
+      expect_near("flat box of height " + std::to_string(size.z), std::sqrt(rebound(run, size.z / 2, 0.5)), e,
+                  0.01 * e);
+    }
+  }
+}
+
+// Beyond the friction angle the block slides with g (sin a - mu cos a), below it stays for an hour.
+TEST(Contact, BlockOnASlope) {
+  const double mu = 0.5;
+  for (const double share : {0.99, 1.01}) {
+    const double angle = share * std::atan(mu);
+    ContactScene s({g * std::sin(angle), 0, -g * std::cos(angle)});
+    s.add_floor();
+    s.add_box("block", 2, {0.2, 0.2, 0.1}, {0, 0, 0.05});
+    s.material() = {"stuff", 1e6, 0, 0, 0.5, mu};
+    if (share < 1) {
+      ContactRun run(s.scene, 0.5);
+      run.advance(300);
+      const Vec3d begin = run.position();
+      run.advance(6900);
+      std::printf("  the block has slid by %g m before it rests\n", begin.x);
+      EXPECT_LT(begin.x, 1e-3);
+      expect_near("displacement in an hour", norm(run.position() - begin), 0, 1e-12);
+      expect_near("speed after an hour", norm(run.velocity()), 0, 1e-12);
+    } else {
+      ContactRun run(s.scene, 1e-2);
+      run.advance(100);
+      const double begin = run.position().x, v = run.velocity().x;
+      run.advance(100);
+      const double a = g * (std::sin(angle) - mu * std::cos(angle));
+      expect_near("acceleration from 1 s to 2 s", run.velocity().x - v, a, 0.01 * a);
+      expect_near("distance from 1 s to 2 s", run.position().x - begin, v + a / 2, 0.01 * (v + a / 2));
+    }
+  }
+}
+
+TEST(Contact, BlockSlidesToAStop) {
+  for (const double step : {1e-2, 1e-3}) {
+    ContactScene s;
+    s.add_floor();
+    const BodyId block = s.add_box("block", 2, {0.4, 0.4, 0.05}, {0, 0, 0.025});
+    s.body(block).twist.v_WB = {2, 0, 0};
+    s.material() = {"stuff", 1e6, 0, 0, 0.5, 0.3};
+    ContactRun run(s.scene, step);
+    run.advance(static_cast<int>(1.5 / step));
+    expect_near("distance in steps of " + std::to_string(step), run.position().x, 4 / (2 * 0.3 * g),
+                5e-3 * 4 / (2 * 0.3 * g));
+    expect_near("speed", norm(run.velocity()), 0, 1e-4);
+    expect_energy(run, 1e-9);
+    const nlohmann::json facts = run.facts();
+    expect_near("balance of energy", facts.at("mbd_energy_balance_J").get<double>(), 0, 0.01 * 4);
+  }
+}
+
+// A ball that starts without a spin slides until it rolls, with 5/7 of its speed.
+TEST(Contact, BallRollsAfterItHasSlid) {
+  for (const double step : {1e-2, 1e-3}) {
+    ContactScene s;
+    s.add_floor();
+    const BodyId ball = s.add_ball("ball", 1, 0.1, {0, 0, 0.1});
+    s.body(ball).twist.v_WB = {1, 0, 0};
+    s.material() = {"stuff", 1e6, 0, 0, 0.5, 0.2};
+    ContactRun run(s.scene, step);
+    const double time = 2. / 7 / (0.2 * g);
+    run.advance(static_cast<int>(std::ceil(1.5 * time / step)));
+    expect_near("speed in steps of " + std::to_string(step), run.velocity().x, 5. / 7, 2e-3);
+    expect_near("spin", run.spin().y, 5. / 7 / 0.1, 2e-2);
+    const double x = run.position().x, now = static_cast<double>(run.done) * step;
+    run.advance(static_cast<int>(1 / step));
+    expect_near("distance rolled in 1 s", run.position().x - x, 5. / 7, 2e-3);
+    expect_near("distance until then", x, time - 0.1 * g * time * time + 5. / 7 * (now - time), 2e-3);
+    expect_energy(run, 1e-9);
+  }
+}
+
+// Free bodies: momentum stays, and the relative rate returns by the restitution.
+TEST(Contact, BallsCollide) {
+  for (const double e : {0.5, 1.0}) {
+    ContactScene s({0, 0, 0});
+    const BodyId one = s.add_ball("one", 1, 0.1, {0, 0, 0});
+    s.add_ball("two", 3, 0.2, {0.5, 0, 0});
+    s.body(one).twist.v_WB = {2, 0, 0};
+    s.material().restitution = e;
+    ContactRun run(s.scene, 1e-2);
+    run.advance(40);
+    const double v1 = run.velocity(0).x, v2 = run.velocity(1).x;
+    expect_near("momentum", v1 + 3 * v2, 2, 1e-9);
+    expect_near("relative rate", v2 - v1, 2 * e, 0.01 * 2 * e);
+  }
+}
+
+// Equal balls in a row: the last one leaves with the velocity of the first.
+TEST(Contact, NewtonsCradle) {
+  ContactScene s({0, 0, 0});
+  for (int i = 0; i < 5; ++i) s.add_ball("ball" + std::to_string(i), 1, 0.1, {0.201 * i, 0, 0});
+  s.body({0}).twist.v_WB = {1, 0, 0};
+  ContactRun run(s.scene, 1e-3);
+  run.advance(50);
+  for (std::size_t i = 0; i < 4; ++i)
+    expect_near("rate of ball " + std::to_string(i), run.velocity(i).x, 0, 0.01);
+  expect_near("rate of the last", run.velocity(4).x, 1, 0.01);
+}
+
+// A ball on a free box, off its centre: linear and angular momentum stay.
+TEST(Contact, BallMeetsABox) {
+  for (const double y : {0.0, 0.05, 0.12}) {
+    ContactScene s({0, 0, 0});
+    const BodyId ball = s.add_ball("ball", 1, 0.05, {-0.3, y, 0.01});
+    s.add_box("box", 2, {0.2, 0.2, 0.2}, {0, 0, 0});
+    s.body(ball).twist.v_WB = {1, 0, 0};
+    s.material() = {"stuff", 1e5, 0, 0, 0.8, 0.4};
+    ContactRun run(s.scene, 1e-3);
+    run.advance(400);
+    const Vec3d p = run.velocity(0) + 2 * run.velocity(1);
+    const double J = 0.4 * 0.05 * 0.05, J_box = 2. / 12 * 0.08;
+    const Vec3d L = cross(run.position(0), run.velocity(0)) + J * run.spin(0) +
+                    2 * cross(run.position(1), run.velocity(1)) + J_box * run.spin(1);
+    expect_near("momentum at y = " + std::to_string(y), p.x, 1, 1e-9);
+    expect_near("across", norm(Vec3d{0, p.y, p.z}), 0, 1e-9);
+    expect_near("angular momentum", norm(L - Vec3d{0, 0.01, -y}), 0, 1e-6);
+    EXPECT_LT(run.velocity(0).x, 0.5);
+  }
+}
+
+// Balls on each other: each contact is as deep as the weight above asks for, and nothing moves.
+TEST(Contact, StackOfTenBalls) {
+  ContactScene s;
+  s.add_floor();
+  for (int i = 0; i < 10; ++i) s.add_ball("ball" + std::to_string(i), 1, 0.1, {0, 0, 0.1 + 0.2 * i});
+  s.material() = {"stuff", 1e5, 0, 0, 0.1, 0.5};
+  ContactRun run(s.scene, 1e-2);
+  run.advance(150);
+  double height = 0.1, worst = 0;
+  for (std::size_t i = 0; i < 10; ++i) {
+    height -= static_cast<double>(10 - i) * g / 1e5;
+    worst = std::max(worst, std::abs(run.position(i).z - height));
+    height += 0.2;
+  }
+  expect_near("largest error of the ten heights [m]", worst, 0, 1e-8);
+  const Vec3d top = run.position(9);
+  run.advance(500);
+  expect_near("displacement of the top in 5 s [m]", norm(run.position(9) - top), 0, 1e-8);
+}
+
+// A wheel that rolls against a step, without a rebound and without slip at its edge, keeps the angular
+// momentum about the edge: it climbs a step of height s from the speed sqrt(2 g s / 1.4) 1.4 / (1.4 - s / R)
+// on.
+TEST(Contact, WheelClimbsAStep) {
+  const double R = 0.3, step = 0.06;
+  const double least = std::sqrt(2 * g * step / 1.4) * 1.4 / (1.4 - step / R);
+  for (const double share : {0.95, 1.05}) {
+    ContactScene s;
+    s.add_floor();
+    const BodyId wheel = s.add_ball("wheel", 2, R, {-0.8, 0, R});
+    scene::Shape kerb;
+    kerb.name = "kerb";
+    kerb.use = scene::ShapeUse::contact;
+    kerb.contact_material = 0;
+    kerb.pose.p_WB = {1, 0, 0};
+    kerb.geometry = scene::BoxShape{{2, 2, 2 * step}, {}};
+    s.scene.contact->ground.push_back(kerb);
+    s.material() = {"stuff", 1e7, 0, 0, 0.01, 5};
+    s.body(wheel).twist = {{share * least, 0, 0}, {0, share * least / R, 0}};
+    ContactRun run(s.scene, 1e-3);
+    run.advance(1500);
+    std::printf("  %.2f of the least speed of %.4f m/s: at x = %.3f m, z = %.3f m after 1.5 s\n", share,
+                least, run.position().x, run.position().z);
+    expect_near("height", run.position().z, share > 1 ? R + step : R, 1e-3);
+    EXPECT_EQ(run.position().x > 0, share > 1);
+    expect_energy(run, 1e-9);
+  }
+}
+
+// A parallel four-bar whose crank a torque presses against a stop: the stop bears the torque over its lever.
+TEST(Contact, FourBarPressedAgainstAStop) {
+  ContactScene s({0, 0, 0});
+  const double torque = 30, lever = 0.5, k = 1e6;
+  const auto bar = [&](const char* name, Vec3d position) {
+    return machines::add_body(s.scene, name, 1, {0.02, 0.02, 0.02}, position);
+  };
+  const BodyId crank = s.add_ball("crank", 1, 0.05, {0, 0, 0.5});
+  const BodyId coupler = bar("coupler", {0.5, 0, 1}), rocker = bar("rocker", {1, 0, 0.5});
+  const auto hinge = [&](const char* name, BodyId parent, BodyId child, Vec3d position) {
+    machines::add_joint(s.scene, name, scene::JointType::revolute, parent, child, position, {0, 1, 0});
+  };
+  hinge("a", ground, crank, {0, 0, 0});
+  hinge("b", crank, coupler, {0, 0, 1});
+  hinge("c", coupler, rocker, {1, 0, 1});
+  hinge("d", ground, rocker, {1, 0, 0});
+  s.scene.mbd->forces.push_back(scene::Actuator{"press", JointId{0}, scene::ConstantMotion{torque, 0}});
+  scene::Shape stop;
+  stop.name = "stop";
+  stop.use = scene::ShapeUse::contact;
+  stop.contact_material = 0;
+  stop.geometry = scene::PlaneShape{{0.06, 0, 0}, {-1, 0, 0}};
+  s.scene.contact->ground.push_back(stop);
+  s.material() = {"stuff", k, 0, 0, 0.2, 0};
+  ContactRun run(s.scene, 1e-2);
+  run.advance(500);
+  const Vec3d p = run.position();
+  // The crank leans by 0.01 / 0.5 rad: the normal force has the lever p.z.
+  expect_near("force of the stop [N]", k * (p.x - 0.01), torque / p.z, 1e-4 * torque / lever);
+  expect_near("speed [m/s]", norm(run.velocity()), 0, 1e-8);
+}
+
+// Painleve's rod: with much friction there are positions from which a rigid rod cannot go on to slide. Here
+// it jams at its lower end, takes off, and never gains energy.
+TEST(Contact, PainlevesRodEnds) {
+  for (const double speed : {-3., 3.}) {
+    ContactScene s;
+    s.add_floor();
+    const double half = 0.5, angle = 1.1;  // of the rod with the floor [rad]
+    const BodyId rod = s.add("rod", 1, {1. / 12, 1. / 12, 1e-4}, {0, 0, half * std::sin(angle) + 0.01 - 1e-5},
+                             scene::CapsuleShape{0.01, 2 * half, {}});
+    const double tilt = std::numbers::pi / 2 - angle;
+    s.body(rod).pose.q_WB = {std::cos(tilt / 2), 0, std::sin(tilt / 2), 0};
+    s.body(rod).twist.v_WB = {speed, 0, 0};
+    s.material() = {"stuff", 1e7, 0, 0, 0.1, 2.5};
+    ContactRun run(s.scene, 1e-3);
+    try {
+      run.advance(300);
+      std::printf("  sliding at %+.0f m/s: centre at (%.3f, %.3f) m after 0.3 s, %s steps\n", speed,
+                  run.position().x, run.position().z, run.facts().at("mbd_steps").dump().c_str());
+    } catch (const Error& error) {
+      std::printf("  sliding at %+.0f m/s: %s\n", speed, error.what());
+      EXPECT_EQ(error.code(), ErrorCode::numerics);
+    }
+    expect_energy(run, 1e-6);
+  }
+}
+
+// A tumbling box, a hull, a capsule and a ball on the floor, in other frames.
+TEST(Contact, MovesTheSameInEveryFrame) {
+  ContactScene s;
+  s.add_floor();
+  const BodyId box = s.add_box("box", 1, {0.2, 0.3, 0.1}, {0, 0, 0.5});
+  s.add_ball("ball", 0.5, 0.1, {2, 0, 0.4});
+  s.add("rod", 0.7, {0.01, 0.01, 0.001}, {4, 0, 0.5}, scene::CapsuleShape{0.05, 0.4, {}});
+  s.add("tetrahedron", 0.6, {0.01, 0.01, 0.01}, {6, 0, 0.5},
+        scene::HullShape{{{-0.1, -0.1, -0.1}, {0.2, 0, -0.1}, {0, 0.2, -0.1}, {0, 0, 0.2}}, {}, 1});
+  s.body(box).twist = {{0.5, 0.2, 0}, {3, 1, -2}};
+  s.body({1}).twist = {{1, 0, 0}, {0, 0, 9}};
+  s.body({2}).twist = {{0, 0.5, 0}, {1, 2, 3}};
+  s.body({3}).twist = {{0, 0, 0}, {-2, 1, 1}};
+  s.material() = {"stuff", 1e5, 0, 0, 0.4, 0.3};
+  s.scene.contact->ignore = {
+      {BodyId{0}, BodyId{2}}, {BodyId{0}, BodyId{3}}, {BodyId{1}, BodyId{3}}, {BodyId{2}, BodyId{3}}};
+  const auto end = [&](const scene::Scene& scene) {
+    ContactRun run(scene, 1e-3);
+    run.advance(400);
+    expect_energy(run, 1e-9);
+    std::vector<Vec3d> positions;
+    for (std::size_t b = 0; b < 4; ++b) positions.push_back(run.position(b));
+    return positions;
+  };
+  const std::vector<Vec3d> here = end(s.scene);
+  std::mt19937_64 random(11);
+  double worst = 0;
+  for (int i = 0; i < 4; ++i) {
+    const test::RigidMotion motion(test::random_rotation(random), {0, 0, 0}, {3. * i, -2, 1});
+    const std::vector<Vec3d> there = end(test::moved(s.scene, motion));
+    for (std::size_t b = 0; b < 4; ++b) worst = std::max(worst, norm(motion.point_back(there[b]) - here[b]));
+  }
+  expect_near("largest deviation in four frames [m]", worst, 0, 1e-6);
+}
+
+// Energy falls while bodies come to rest, and then nothing moves.
+TEST(Contact, BoxComesToRest) {
+  ContactScene s;
+  s.add_floor();
+  const BodyId box = s.add_box("box", 1, {0.2, 0.3, 0.1}, {0, 0, 0.5});
+  s.body(box).twist = {{0.5, 0.2, 0}, {3, 1, -2}};
+  s.material() = {"stuff", 1e5, 0, 0, 0.4, 0.3};
+  ContactRun run(s.scene, 1e-2);
+  double last = run.start_energy, largest_rise = 0;
+  for (int i = 0; i < 400; ++i) {
+    run.advance(1);
+    const double now = run.solver.observe().energy;
+    largest_rise = std::max(largest_rise, now - last);
+    last = now;
+  }
+  expect_near("largest rise of the energy in a window [J]", largest_rise, 0, 1e-3 * run.start_energy);
+  const Vec3d rest = run.position();
+  run.advance(1000);
+  expect_near("displacement in the next 10 s [m]", norm(run.position() - rest), 0, 1e-9);
+  expect_near("height", run.position().z, 0.05 - 9.81 / 4e5, 1e-7);
+  std::printf("  %s\n", run.facts().at("mbd_steps").dump().c_str());
+}
+
+// The same motion after a rollback and from run to run.
+TEST(Contact, GivesTheSameBits) {
+  const auto hash = [](bool rollback) {
+    ContactScene s;
+    s.add_floor();
+    const BodyId box = s.add_box("box", 1, {0.2, 0.3, 0.1}, {0, 0, 0.2});
+    s.body(box).twist = {{0.5, 0.2, 0}, {3, 1, -2}};
+    s.material() = {"stuff", 1e5, 0, 0, 0.4, 0.3};
+    ContactRun run(s.scene, 1e-2);
+    run.advance(15);
+    if (rollback) {
+      run.solver.save();
+      run.advance(5);
+      run.done -= 5;
+      run.solver.restore();
+    }
+    run.advance(20);
+    return run.facts().at("mbd_state_hash").get<std::string>();
+  };
+  EXPECT_EQ(hash(false), hash(false));
+  EXPECT_EQ(hash(false), hash(true));
+}
+
+}  // namespace
+}  // namespace tandem::mbd
