@@ -233,7 +233,7 @@ void add_validate(CLI::App& app, int& status) {
     for (const std::string& path : *scenes) {
       std::string said;  // description of the scene, also of one that is refused
       try {
-        const SceneFile file = read_scene(path, {}, {start->options.backend});
+        const SceneFile file = read_scene(path, {}, SettleOn{.backend = start->options.backend});
         said = remarks(file, nullptr, "  ");
         const std::optional<DryRun> started = start->run(file);
         said = remarks(file, started ? &*started : nullptr, "  ");
@@ -255,7 +255,7 @@ void add_describe(CLI::App& app) {
   verb->add_option("scene", *scene, "Scene file")->required();
   const auto start = add_start(*verb);
   verb->callback([=] {
-    const SceneFile file = read_scene(*scene, {}, {start->options.backend});
+    const SceneFile file = read_scene(*scene, {}, SettleOn{.backend = start->options.backend});
     std::optional<DryRun> started;
     try {
       started = start->run(file);

@@ -9,27 +9,13 @@ const std::string& Scene::body_name(BodyId id) const {
   return id == ground ? inertial : mbd->bodies.at(id.value).name;
 }
 
-namespace {
-
-bool is_plane(const Geometry& g) {
-  return std::holds_alternative<PlaneShape>(g);
-}
-bool is_sphere(const Geometry& g) {
-  return std::holds_alternative<SphereShape>(g);
-}
-bool has_corners_or_is_round(const Geometry& g) {
-  return is_sphere(g) || std::holds_alternative<CapsuleShape>(g) || std::holds_alternative<BoxShape>(g) ||
-         std::holds_alternative<HullShape>(g);
-}
-
-}  // namespace
-
 bool contact_is_computed(const Geometry& a, const Geometry& b) {
-  if (is_plane(a) || is_plane(b)) return has_corners_or_is_round(is_plane(a) ? b : a);
-  const auto beside_sphere = [](const Geometry& g) {
-    return is_sphere(g) || std::holds_alternative<CapsuleShape>(g) || std::holds_alternative<BoxShape>(g);
+  const auto is_solid = [](const Geometry& g) {
+    return std::holds_alternative<SphereShape>(g) || std::holds_alternative<CapsuleShape>(g) ||
+           std::holds_alternative<BoxShape>(g) || std::holds_alternative<HullShape>(g);
   };
-  return (is_sphere(a) && beside_sphere(b)) || (is_sphere(b) && beside_sphere(a));
+  const auto is_plane = [](const Geometry& g) { return std::holds_alternative<PlaneShape>(g); };
+  return (is_solid(a) || is_plane(a)) && (is_solid(b) || is_plane(b)) && !(is_plane(a) && is_plane(b));
 }
 
 ContactMaterialPair combined(const BodyContact& contact, int a, int b) {

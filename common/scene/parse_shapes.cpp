@@ -190,6 +190,9 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
         from.fail("unknown name '" + name + "'", suggest_name(name, bodies.list(), "bodies"));
       pair[i] = body ? BodyId{*body} : ground;
     }
+    if (pair[0] == pair[1])
+      from.fail("both names are '" + from.value()[0].get<std::string>() + "'",
+                "give two bodies that may pass through each other");
     contact.ignore.push_back(pair);
   }
   return contact;

@@ -6,10 +6,10 @@
 namespace tandem::scene {
 namespace {
 
-struct ChannelFacts {
+struct SensorChannelFacts {
   const char *name, *unit, *meaning;
 };
-constexpr ChannelFacts sensor_channels[] = {
+constexpr SensorChannelFacts sensor_channels[] = {
 #define SENSOR_CHANNEL(identifier, name, unit, meaning) {name, unit, meaning},
 #include "common/scene/sensor_channels.def"
 #undef SENSOR_CHANNEL
@@ -55,7 +55,7 @@ double flow_length(const ParticleSensor& sensor) {
 
 std::string sensor_channels_as_markdown() {
   std::string table = "| channel | unit | meaning |\n|---|---|---|\n";
-  for (const ChannelFacts& row : sensor_channels)
+  for (const SensorChannelFacts& row : sensor_channels)
     table += std::string("| `") + row.name + "` | " + row.unit + " | " + row.meaning + " |\n";
   return table;
 }

@@ -188,10 +188,12 @@ namespace {
 
 // Whether a column of a body, a joint or an element begins with this name.
 bool names_something_else(const std::string& name, const Scene& scene) {
-  if (!scene.mbd) return name == scene.body_name(ground);
+  // `time` begins each row, and `summary` the names of the numbers of the summary.
+  if (name == scene.body_name(ground) || name == "time" || name == "summary") return true;
+  if (!scene.mbd) return false;
   const auto is_it = [&](const auto& named) { return named.name == name; };
-  return name == scene.body_name(ground) || std::ranges::any_of(scene.mbd->bodies, is_it) ||
-         std::ranges::any_of(scene.mbd->joints, is_it) || std::ranges::any_of(elements_of(scene), is_it);
+  return std::ranges::any_of(scene.mbd->bodies, is_it) || std::ranges::any_of(scene.mbd->joints, is_it) ||
+         std::ranges::any_of(elements_of(scene), is_it);
 }
 
 double bounding_radius(const ParticleSensor& sensor) {
@@ -210,7 +212,7 @@ void validate_particle_sensors(const Scene& scene, const std::string& origin) {
     require_unit(sensor.pose.q_WB, origin, path + ".orientation");
     if (names_something_else(sensor.name, scene))
       fail(origin, path + ".name",
-           "a body, joint or element is called '" + sensor.name +
+           "a body, joint, element or part of the results is called '" + sensor.name +
                "' as well, so that columns would be mixed up",
            "give the sensor another name, such as '" + sensor.name + "_content'");
     if (std::holds_alternative<CylinderShape>(sensor.shape) && sensor.flow_axis && *sensor.flow_axis != 2)

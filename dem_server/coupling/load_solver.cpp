@@ -314,6 +314,7 @@ protocol::Report Solver::report() {
   others["windows_beyond_speed_limit"] = memory_.limits.beyond_speed;
   std::vector<std::string>& warnings = facts.warnings.emplace(warnings_);
   for (const std::string& sentence : watch_.warnings(memory_.limits)) warnings.push_back(sentence);
+  for (const std::string& sentence : sensors_.warnings(memory_.sensors)) warnings.push_back(sentence);
   traffic_.report(memory_.traffic, facts, others);
   belts_.report(memory_.belts, others);
   if (memory_.lost_reported > 0)

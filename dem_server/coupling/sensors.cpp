@@ -1,5 +1,7 @@
 #include "dem_server/coupling/sensors.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -34,7 +36,7 @@ MeasuredRegion region_of(const scene::ParticleSensor& sensor, const BodyPose& bo
 }  // namespace
 
 bool Sensors::Seen::is_possible() const {
-  return std::isfinite(flow) && std::isfinite(passed);
+  return std::isfinite(flow) && std::isfinite(passed) && longest_way >= 0 && std::isfinite(longest_way);
 }
 
 Sensors::Sensors(const scene::Scene& scene, std::span<const BodyId> bodies) {
@@ -42,6 +44,20 @@ Sensors::Sensors(const scene::Scene& scene, std::span<const BodyId> bodies) {
     const auto found = std::ranges::find(bodies, of.body);
     sensors_.push_back({of, static_cast<std::size_t>(found - bodies.begin()), of.body == ground});
   }
+}
+
+std::vector<std::string> Sensors::warnings(const std::vector<Seen>& seen) const {
+  std::vector<std::string> sentences;
+  for (std::size_t k = 0; k < sensors_.size(); ++k) {
+    const scene::ParticleSensor& sensor = sensors_[k].of;
+    if (!sensor.flow_axis || !(seen[k].longest_way > scene::flow_length(sensor))) continue;
+    sentences.push_back(
+        fmt::format("sensor '{}' is {:.4g} m long along its axis, and spheres moved {:.4g} m in one window: "
+                    "some passed it unseen, so that "
+                    "its mass passed is not right. Make the region longer, or the window shorter",
+                    sensor.name, scene::flow_length(sensor), seen[k].longest_way));
+  }
+  return sentences;
 }
 
 const std::vector<double>& Sensors::measure(Engine& engine, std::span<const BodyPose> poses, double length,
@@ -68,6 +84,8 @@ const std::vector<double>& Sensors::measure(Engine& engine, std::span<const Body
     const double flow = sum.flow_momentum / scene::flow_length(sensor);
     seen[k].passed += 0.5 * length * (seen[k].flow + flow);
     seen[k].flow = flow;
+    if (sum.mass > 0)
+      seen[k].longest_way = std::max(seen[k].longest_way, length * std::abs(sum.flow_momentum) / sum.mass);
     values_.push_back(flow);
     values_.push_back(seen[k].passed);
   }

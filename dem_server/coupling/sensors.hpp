@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "dem_server/engine/engine.hpp"
@@ -13,6 +14,7 @@ class Sensors {
   // What one sensor keeps from window to window.
   struct Seen {
     double flow = 0, passed = 0;  // at the end of the last window [kg/s], since the start [kg]
+    double longest_way = 0;       // of the spheres in the region along its axis, in one window [m]
     bool is_possible() const;
   };
 
@@ -22,6 +24,8 @@ class Sensors {
 
   bool any() const { return !sensors_.empty(); }
   std::vector<Seen> nothing_seen() const { return std::vector<Seen>(sensors_.size()); }
+  // A sentence for each sensor whose spheres pass it within a window, so that its `passed` is not right.
+  std::vector<std::string> warnings(const std::vector<Seen>& seen) const;
   // The values of scene::sensor_columns() for these poses of the boundary bodies. `length`: of the window
   // that ends now, over which the flow is integrated by the trapezoidal rule [s].
   const std::vector<double>& measure(Engine& engine, std::span<const BodyPose> poses, double length,

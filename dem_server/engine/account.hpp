@@ -28,7 +28,7 @@ struct TotalsQuanta {
 };
 
 template <class Tally>
-TANDEM_HD void add_with_rest(Total whole, Total rest, double amount, Quantum quantum, Tally& tally) {
+TANDEM_HD void add_with_rest(int whole, int rest, double amount, Quantum quantum, Tally& tally) {
   const std::int64_t rounded = to_fixed(amount, quantum);
   tally.add_total(whole, rounded);
   tally.add_total(rest, to_fixed(amount - from_fixed(rounded, quantum), quantum.of_remainders()));

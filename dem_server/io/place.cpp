@@ -18,7 +18,7 @@ namespace {
 
 constexpr double usual_void_fraction = 0.5;
 constexpr double jitter = 0.2;  // largest displacement of a site along each axis, relative to the spacing [-]
-constexpr int most_sweeps = 3000;
+constexpr int most_packing_sweeps = 3000;
 constexpr double most_raise = 4;   // of the top of a bed, relative to the largest radius [-]
 constexpr int most_spacings = 24;  // tried for one size of spheres
 
@@ -104,7 +104,7 @@ class Placing {
     PackingResult packed;
     while (true) {
       start = starting_points();
-      if (start) packed = pack(*start, bounds, most_sweeps, pool_);
+      if (start) packed = pack(*start, bounds, most_packing_sweeps, pool_);
       if (packed.is_free) break;
       // A bed of a few layers needs more height than its volume says.
       if (!chosen_ || is_bed || room_.high().z >= highest) refuse_crowd();

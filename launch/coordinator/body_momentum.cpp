@@ -48,6 +48,13 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
   return driven;
 }
 
+// Whether other bodies push the body by contacts, whose impulses the coordinator does not know.
+bool touches_bodies(const scene::Scene& scene, BodyId body) {
+  return scene.contact && std::ranges::any_of(scene.shapes, [&](const scene::Shape& shape) {
+           return shape.use == scene::ShapeUse::contact && shape.body == body;
+         });
+}
+
 bool moves_freely(const scene::Joint& joint) {
   const bool one_axis = joint.type == scene::JointType::revolute || joint.type == scene::JointType::prismatic;
   return one_axis && joint.parent == ground && !joint.child_position && joint.damping == 0 && !joint.cut &&
@@ -73,7 +80,7 @@ BodyMomentum::BodyMomentum(const scene::Scene& scene) : gravity_(scene.gravity) 
   const Driven driven = driven_by_forces(mbd);
   for (const scene::Wall& wall : scene.dem->walls) {
     const std::uint32_t index = wall.body.value;
-    if (wall.body == ground || driven.bodies.contains(index)) continue;
+    if (wall.body == ground || driven.bodies.contains(index) || touches_bodies(scene, wall.body)) continue;
     Watched watched{mbd.bodies[index], {}};
     bool known = true;
     for (std::uint32_t j = 0; j < mbd.joints.size(); ++j) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "common/overloaded.hpp"
+#include "common/scene/shape_mesh.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/describe_elements.hpp"
 #include "launch/coordinator/schemes.hpp"
@@ -121,6 +122,18 @@ std::string describe_shaped(const SceneFile& file) {
   return table.print();
 }
 
+std::string describe_contact(const Scene& scene) {
+  Table table("shapes that touch", {"shape", "body", "geometry", "material"});
+  const auto add = [&](const Shape& shape) {
+    if (shape.use == ShapeUse::contact)
+      table.add({shape.name, scene.body_name(shape.body), name_of(shape.geometry),
+                 scene.contact->materials[static_cast<std::size_t>(shape.contact_material)].name});
+  };
+  std::ranges::for_each(scene.shapes, add);
+  std::ranges::for_each(scene.contact->ground, add);
+  return table.print();
+}
+
 std::string describe_mbd(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   const Mbd& mbd = *scene.mbd;
@@ -184,7 +197,8 @@ std::string describe_mbd(const SceneFile& file, const DryRun* started) {
             }},
         force);
   }
-  return bodies.print() + describe_shaped(file) + joints.print() + forces.print() + describe_elements(scene) +
+  return bodies.print() + describe_shaped(file) + (scene.contact ? describe_contact(scene) : "") +
+         joints.print() + forces.print() + describe_elements(scene) +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
                      started ? freedom_of(*started) : freedom_by_counting(mbd), free_bodies);
 }

@@ -26,7 +26,7 @@ EnergyWatch::EnergyWatch(const scene::Scene& scene) : gravity_(scene.gravity) {
   if (!scene.mbd) return;
   const scene::Mbd& mbd = *scene.mbd;
   known_ =
-      std::ranges::all_of(mbd.forces, has_known_energy) &&
+      !scene.contact && std::ranges::all_of(mbd.forces, has_known_energy) &&
       std::ranges::none_of(mbd.joints, [](const scene::Joint& joint) { return joint.limits.has_value(); });
   bodies_ = mbd.bodies;
   const auto on_body = [&](BodyId body, Vec3d point) {

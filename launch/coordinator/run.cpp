@@ -444,7 +444,8 @@ void print_end(const Summary& summary, const std::filesystem::path& folder) {
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
   if (options.quiet) log::quiet();  // while spheres settle
-  const SceneFile file = read_scene(options.scene, options.overrides, {options.backend, options.threads});
+  const SceneFile file =
+      read_scene(options.scene, options.overrides, SettleOn{options.backend, options.threads});
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);

@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "common/utf8.hpp"
 #include "launch/results/series/hdf5.hpp"
+#include "launch/run_folder/run_state.hpp"
 
 namespace tandem::launch {
 namespace fs = std::filesystem;
@@ -50,6 +51,8 @@ RunFrame read_run_frame(const fs::path& folder, std::optional<double> time, cons
   if (frames.empty())
     refuse("the folder " + printable(folder.string()) + " has no frames of particles",
            "give the folder of a run, relative to that of the scene");
+  // The last frame of a run is that of its end: without a time nothing else is taken for it.
+  const double end = read_run(folder).summary.value("simulated_s", 0.0);
   std::optional<Hdf5File> file;
   RunFrame frame;
   double last = 0, nearest = INFINITY;
@@ -57,6 +60,10 @@ RunFrame read_run_frame(const fs::path& folder, std::optional<double> time, cons
     Hdf5File candidate = Hdf5File::open(*path);
     frame.time = candidate.number_attribute("/", "time");
     if (path == frames.rbegin()) last = frame.time;
+    if (!time && end - frame.time > 1e-6 * end)
+      refuse(fmt::format("the last frame of that run is at {:.9g} s, and the run went on to {:.9g} s",
+                         frame.time, end),
+             "give \"time\": that of the frame to start from");
     if (!time || std::abs(frame.time - *time) < same_time)
       file.emplace(std::move(candidate));
     else if (!(std::abs(nearest - *time) < std::abs(frame.time - *time)))

@@ -85,7 +85,8 @@ void make_facets(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
   }
 }
 
-// Shapes that are no walls, in frames whose origin is the centre of mass.
+// Shapes that are no walls, in frames whose origin is the centre of mass; those of contact of the ground are
+// in the world.
 void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
   for (std::size_t i = 0; i < in_files.size(); ++i) {
     const scene::Shape& shape = file.scene.shapes[i];
@@ -94,6 +95,11 @@ void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
           {shape.body, shape.name,
            transformed(scene::mesh_of(shape, in_files[i], drawn_segments, file.origin), shape.pose)});
   }
+  if (!file.scene.contact) return;
+  for (const scene::Shape& shape : file.scene.contact->ground)
+    if (scene::is_bounded(shape.geometry))
+      file.drawn.push_back({ground, shape.name,
+                            transformed(scene::mesh_of(shape, {}, drawn_segments, file.origin), shape.pose)});
 }
 
 // Replaces shapes, orientations and poses by what solvers know.
@@ -124,7 +130,8 @@ void import_particles(const scene::Dem& dem, const std::filesystem::path& folder
 
 }  // namespace
 
-SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides, const SettleOn& on) {
+SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides,
+                     const std::optional<SettleOn>& on) {
   SceneFile file;
   file.origin = path.string();
   file.text = read_input(path, {.largest = largest_text, .hint = "give the path of a scene"});
@@ -137,7 +144,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   make_plain(path.parent_path(), file);
   if (file.scene.dem) import_particles(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
-  place_fills(path.parent_path(), file, on);
+  if (on) place_fills(path.parent_path(), file, *on);
   if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
     file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
                                      fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));

@@ -60,8 +60,9 @@ struct SceneFile {
   std::vector<std::string> log;  // of settling and of its cache
 };
 
-// Throws every error of the scene and of the files that it names. Places the spheres, and lets them settle.
+// Throws every error of the scene and of the files that it names. Places the spheres, and lets them settle;
+// without `on` they are not placed.
 SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides = {},
-                     const SettleOn& on = {});
+                     const std::optional<SettleOn>& on = SettleOn{});
 
 }  // namespace tandem::launch

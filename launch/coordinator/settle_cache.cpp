@@ -183,7 +183,8 @@ std::optional<CachedBed> SettleCache::find(const SettleKey& key, std::vector<std
     fs::last_write_time(path, fs::file_time_type::clock::now(), failure);
     return bed;
   } catch (const Error& error) {
-    log.push_back("a settled bed in the cache is not used, and is made anew: " + std::string(error.what()));
+    log.push_back("a settled bed in the cache is not used, and is made anew: " + error.where() + " " +
+                  error.problem());
     fs::remove(path, failure);
     return {};
   }

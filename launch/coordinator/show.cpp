@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/utf8.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/scene_spheres.hpp"
 #include "launch/report/preview.hpp"
@@ -58,7 +59,15 @@ void movie(const std::filesystem::path& folder, const std::filesystem::path& sce
   if (scene.empty() && !exists(file))
     throw Error(ErrorCode::usage, "the scene of this run is not at '" + file.string() + "' any more",
                 folder.string(), "tell where it is: --scene FILE");
-  make_movie(folder, read_scene(file).scene, options);
+  // The frames have the spheres: none are placed here.
+  const SceneFile drawn = read_scene(file, {}, std::nullopt);
+  const std::string name = run.summary.value("scene", "");
+  if (!name.empty() && drawn.scene.name != name)
+    throw Error(ErrorCode::usage,
+                "the run is of the scene '" + printable(shortened(name)) + "', and this is '" +
+                    drawn.scene.name + "'",
+                file.string(), "give the scene of the run");
+  make_movie(folder, drawn.scene, options);
 }
 
 }  // namespace tandem::launch

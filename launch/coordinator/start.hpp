@@ -25,8 +25,8 @@ StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const Ru
                          const std::function<void(protocol::Role, const protocol::Hello&)>& take_hello,
                          const std::function<void(protocol::Role, const std::string&)>& take_facts);
 
-// `error` with the phase in which it happened, such as "while the servers started", before its sentence, and
-// with the ending of a server that was started here and died. `participants` may be null.
+// `error` with the phase in which it happened, such as "while the servers started", and with the ending of a
+// server that was started here and died. `participants` may be null.
 Error explained(const Error& error, const std::string& phase, Participants* participants);
 
 }  // namespace tandem::launch

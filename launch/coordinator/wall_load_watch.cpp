@@ -11,7 +11,8 @@
 namespace tandem::launch {
 namespace {
 
-constexpr double clear_overlap = 1e-3;  // of the radius: far above the rounding of radii in single precision
+constexpr double pressing_overlap =
+    1e-3;  // of the radius: far above the rounding of radii in single precision
 
 // Of larger frames every so many spheres are tried, others in each frame.
 constexpr std::size_t most_tests = 2'000'000;  // of a sphere with a face
@@ -98,7 +99,7 @@ void WallLoadWatch::observe(const protocol::ParticlesFrame& frame, const Exchang
       for (const Face& face : faces) {
         const Vec3d from = place - face.point;
         const double height = dot(from, face.normal), distance = face.two_sided ? std::abs(height) : height;
-        if (!(distance > 0 && distance < (1 - clear_overlap) * radius)) continue;
+        if (!(distance > 0 && distance < (1 - pressing_overlap) * radius)) continue;
         if (face.two_sided &&
             !(std::abs(dot(from, face.u)) < face.half_u && std::abs(dot(from, face.v)) < face.half_v))
           continue;

@@ -150,6 +150,9 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
     log::warn("the run has its first and its last frame only: output.frame_interval of the scene gives more");
 
   const fs::path out = options.out.empty() ? folder / "movie.mp4" : options.out;
+  if (out.extension() != ".mp4")
+    throw Error(ErrorCode::usage, "'" + out.string() + "' is no name for a film", "--output",
+                "let it end with .mp4");
   const Stills stills(folder);
   const auto begin = std::chrono::steady_clock::now();
   double first = 0, last = 0;  // [s]

@@ -158,7 +158,12 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
     const bool has_walls =
         scene.dem && std::any_of(scene.dem->walls.begin(), scene.dem->walls.end(),
                                  [&](const scene::Wall& wall) { return wall.body == BodyId{i}; });
-    if (!has_walls) bare.push_back(scene.mbd->bodies[i].name);
+    // Shapes of contact push each other apart, and end the run where they do not
+    // (mbd_server/step/body_contacts.cpp).
+    const bool touches = scene.contact && std::ranges::any_of(scene.shapes, [&](const scene::Shape& shape) {
+                           return shape.use == scene::ShapeUse::contact && shape.body == BodyId{i};
+                         });
+    if (!has_walls && !touches) bare.push_back(scene.mbd->bodies[i].name);
   }
   if (!bare.empty())
     not_judged_.push_back(

@@ -1,6 +1,6 @@
-// Detects walls of different bodies that pass through each other. Walls are in contact with spheres only:
-// contact between bodies is not computed, so that a wheel falls through a floor unless a joint, a stop or a
-// spring supports it. The verdict reports such a run.
+// Detects walls of different bodies that pass through each other. Walls are in contact with spheres only, so
+// that a wheel falls through a floor unless a shape of contact, a joint, a stop or a spring supports it. The
+// verdict reports such a run.
 //
 // Walls are surfaces (the triangles of boxes, cylinders, spheres and meshes) or half-spaces (planes). Two
 // surfaces pass through each other where they overlap by more than a tolerance, a share of the thinner wall;

@@ -54,17 +54,33 @@ double impact_depth(const ContactLaw& law, double mass, double rate) {
   return std::pow((n + 1) * mass * rate * rate / (2 * law.stiffness), 1 / (n + 1));
 }
 
-bool touches(const State& state, int column) {
-  return state.contacts.cols() > 0 && state.contacts(ContactRow::mass, column) > 0;
+ContactFeature feature_of(const ContactColumn& column) {
+  ContactFeature f;
+  f.a = static_cast<int>(column[ContactRow::shape_a]), f.b = static_cast<int>(column[ContactRow::shape_b]);
+  f.kind = static_cast<ContactFeature::Kind>(column[ContactRow::kind]);
+  f.code = static_cast<std::int64_t>(column[ContactRow::code]);
+  f.by_place = column[ContactRow::by_place] != 0;
+  f.place_a = column.segment<3>(ContactRow::place_a), f.axis_a = column.segment<3>(ContactRow::axis_a);
+  f.place_b = column.segment<3>(ContactRow::place_b), f.axis_b = column.segment<3>(ContactRow::axis_b);
+  f.radius_a = column[ContactRow::radius_a], f.radius_b = column[ContactRow::radius_b];
+  return f;
 }
 
-ContactForce evaluate(const Model& model, const ContactPair& pair, int point, const State& state,
-                      const std::vector<LinkMotion>& links) {
-  const LinkMotion
-      &a = links[static_cast<std::size_t>(model.contact_shapes[static_cast<std::size_t>(pair.a)].link)],
-      &b = links[static_cast<std::size_t>(model.contact_shapes[static_cast<std::size_t>(pair.b)].link)];
-  const auto column = state.contacts.col(pair.first + point);
-  const Touch t = touch(model, pair, point, links);
+void set_feature(const ContactFeature& f, Eigen::Ref<ContactColumn> column) {
+  column[ContactRow::shape_a] = f.a, column[ContactRow::shape_b] = f.b;
+  column[ContactRow::kind] = static_cast<double>(f.kind);
+  column[ContactRow::code] = static_cast<double>(f.code);
+  column[ContactRow::by_place] = f.by_place;
+  column.segment<3>(ContactRow::place_a) = f.place_a, column.segment<3>(ContactRow::axis_a) = f.axis_a;
+  column.segment<3>(ContactRow::place_b) = f.place_b, column.segment<3>(ContactRow::axis_b) = f.axis_b;
+  column[ContactRow::radius_a] = f.radius_a, column[ContactRow::radius_b] = f.radius_b;
+}
+
+ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links) {
+  const ContactFeature feature = feature_of(column);
+  const LinkMotion &a = link_of(model, feature.a, links), &b = link_of(model, feature.b, links);
+  const ContactLaw law = model.contact.law(feature.a, feature.b);
+  const Touch t = touch(model, feature, links);
   ContactForce f;
   f.p = t.p, f.n = t.n, f.gap = t.gap;
   f.by_a.setZero(), f.by_b.setZero(), f.by_velocity.setZero();
@@ -73,9 +89,9 @@ ContactForce evaluate(const Model& model, const ContactPair& pair, int point, co
   f.velocity = at_point(V, p);
   const double gap_rate = n.dot(f.velocity);
   const NormalForce normal =
-      normal_force(pair.law, -t.gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::mass]);
+      normal_force(law, -t.gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::mass]);
   f.normal = normal.force;
-  f.energy = normal_energy(pair.law, -t.gap);
+  f.energy = normal_energy(law, -t.gap);
 
   const double k = column[ContactRow::stiffness], c = column[ContactRow::damping];
   const Vector3d x_a = a.point(column.segment<3>(ContactRow::on_a)),
@@ -100,7 +116,7 @@ ContactForce evaluate(const Model& model, const ContactPair& pair, int point, co
   f.force = f.normal * n;
   Matrix3x6d dF_a = n * dN_a + f.normal * t.dn_a, dF_b = n * dN_b + f.normal * t.dn_b, dF_v = n * dN_v;
 
-  if (pair.law.friction > 0) {
+  if (law.friction > 0) {
     const Matrix3d across = Matrix3d::Identity() - n * n.transpose();
     const Vector3d v_t = f.velocity - gap_rate * n;
     Vector3d trial = -k * f.stretch - c * v_t;
@@ -111,12 +127,12 @@ ContactForce evaluate(const Model& model, const ContactPair& pair, int point, co
     };
     Matrix3x6d dT_a = change(-at_point_matrix(x_a), dv_a, t.dn_a),
                dT_b = change(at_point_matrix(x_b), dv_b, t.dn_b), dT_v = -c * across * L;
-    const double most = pair.law.friction * f.normal, size = trial.norm();
+    const double most = law.friction * f.normal, size = trial.norm();
     if (size > most) {
       f.slides = true;
       const Vector3d direction = trial / size;
       const Matrix3d rest = most / size * (Matrix3d::Identity() - direction * direction.transpose());
-      const Vector3d by_normal = pair.law.friction * direction;
+      const Vector3d by_normal = law.friction * direction;
       trial = most * direction;
       dT_a = by_normal * dN_a + rest * dT_a;
       dT_b = by_normal * dN_b + rest * dT_b;

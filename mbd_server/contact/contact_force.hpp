@@ -31,10 +31,12 @@ struct ContactForce {
   Matrix6d by_a, by_b, by_velocity;
 };
 
-// Whether the point is in contact.
-bool touches(const State& state, int column);
-ContactForce evaluate(const Model& model, const ContactPair& pair, int point, const State& state,
-                      const std::vector<LinkMotion>& links);
+// Feature of a point in contact, a column of State::contacts, and the reverse.
+using ContactColumn = Eigen::Matrix<double, ContactRow::count, 1>;
+ContactFeature feature_of(const ContactColumn& column);
+void set_feature(const ContactFeature& feature, Eigen::Ref<ContactColumn> column);
+
+ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links);
 
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);

@@ -19,41 +19,55 @@ struct Nearest {
   double length = 0;  // of o - c along n: negative where c is inside b [m]
 };
 
+Nearest ball_of(const ContactFeature& f, const LinkMotion& link_a) {
+  Nearest x;
+  x.c = link_a.point(f.place_a);
+  x.r_a = f.radius_a, x.r_b = f.radius_b;
+  return x;
+}
+
 void set_normal(Nearest& x, const Vector3d& otherwise) {
   const Vector3d d = x.o - x.c;
   x.length = d.norm();
   x.n = x.length > 0 ? Vector3d(d / x.length) : otherwise;
 }
 
-Nearest to_plane(const ContactShape& a, const ContactShape& b, int point, const LinkMotion& link_a,
-                 const LinkMotion& link_b) {
-  Nearest x;
-  x.c = link_a.point(a.points.empty() ? a.centre : a.points[static_cast<std::size_t>(point)]);
-  x.r_a = a.radius;
-  const Matrix3d axes = link_b.R_WL * b.axes;
-  x.n = -axes.col(2);
-  x.length = -x.n.dot(x.c - link_b.point(b.centre));
+Nearest to_plane(const ContactFeature& f, const LinkMotion& link_a, const LinkMotion& link_b) {
+  Nearest x = ball_of(f, link_a);
+  x.n = -(link_b.R_WL * f.axis_b);
+  x.length = -x.n.dot(x.c - link_b.point(f.place_b));
   x.o = x.c + x.length * x.n;
   x.free = 2;
-  x.along = axes.leftCols<2>();
   return x;
 }
 
-Nearest to_sphere(const ContactShape& a, const ContactShape& b, const LinkMotion& link_a,
-                  const LinkMotion& link_b) {
-  Nearest x;
-  x.c = link_a.point(a.centre);
-  x.o = link_b.point(b.centre);
-  x.r_a = a.radius, x.r_b = b.radius;
+Nearest to_point(const ContactFeature& f, const LinkMotion& link_a, const LinkMotion& link_b) {
+  Nearest x = ball_of(f, link_a);
+  x.o = link_b.point(f.place_b);
   set_normal(x, Vector3d::UnitZ());
   return x;
 }
 
-Nearest to_capsule(const ContactShape& a, const ContactShape& b, const LinkMotion& link_a,
+Nearest to_line(const ContactFeature& f, const LinkMotion& link_a, const LinkMotion& link_b) {
+  Nearest x = ball_of(f, link_a);
+  const Vector3d begin = link_b.point(f.place_b), e = link_b.R_WL * f.axis_b;
+  x.o = begin + e.dot(x.c - begin) * e;
+  x.free = 1, x.along.col(0) = e;
+  set_normal(x, e.unitOrthogonal());
+  return x;
+}
+
+Nearest to_sphere(const ContactFeature& f, const ContactShape& b, const LinkMotion& link_a,
+                  const LinkMotion& link_b) {
+  Nearest x = ball_of(f, link_a);
+  x.o = link_b.point(b.centre);
+  set_normal(x, Vector3d::UnitZ());
+  return x;
+}
+
+Nearest to_capsule(const ContactFeature& f, const ContactShape& b, const LinkMotion& link_a,
                    const LinkMotion& link_b) {
-  Nearest x;
-  x.c = link_a.point(a.centre);
-  x.r_a = a.radius, x.r_b = b.radius;
+  Nearest x = ball_of(f, link_a);
   const Vector3d begin = link_b.point(b.points[0]), axis = link_b.point(b.points[1]) - begin;
   const double length = axis.norm();
   const Vector3d e = axis / length;
@@ -65,11 +79,9 @@ Nearest to_capsule(const ContactShape& a, const ContactShape& b, const LinkMotio
 }
 
 // Outside, the point of the box nearest to c; inside, the one on the nearest face.
-Nearest to_box(const ContactShape& a, const ContactShape& b, const LinkMotion& link_a,
+Nearest to_box(const ContactFeature& f, const ContactShape& b, const LinkMotion& link_a,
                const LinkMotion& link_b) {
-  Nearest x;
-  x.c = link_a.point(a.centre);
-  x.r_a = a.radius;
+  Nearest x = ball_of(f, link_a);
   const Matrix3d axes = link_b.R_WL * b.axes;
   const Vector3d centre = link_b.point(b.centre), local = axes.transpose() * (x.c - centre);
   Vector3d on = local.cwiseMax(-b.half_size).cwiseMin(b.half_size);
@@ -93,41 +105,92 @@ Nearest to_box(const ContactShape& a, const ContactShape& b, const LinkMotion& l
   return x;
 }
 
-Nearest nearest(const Model& model, const ContactPair& pair, int point,
-                const std::vector<LinkMotion>& links) {
-  const ContactShape &a = model.contact_shapes[static_cast<std::size_t>(pair.a)],
-                     &b = model.contact_shapes[static_cast<std::size_t>(pair.b)];
-  const LinkMotion &link_a = links[static_cast<std::size_t>(a.link)],
-                   &link_b = links[static_cast<std::size_t>(b.link)];
-  switch (b.kind) {
-    case ContactShape::Kind::plane:
-      return to_plane(a, b, point, link_a, link_b);
-    case ContactShape::Kind::capsule:
-      return to_capsule(a, b, link_a, link_b);
-    case ContactShape::Kind::box:
-      return to_box(a, b, link_a, link_b);
+Nearest nearest(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links) {
+  const LinkMotion &a = link_of(model, f.a, links), &b = link_of(model, f.b, links);
+  const ContactShape& shape = model.contact.shape(f.b);
+  switch (f.kind) {
+    case ContactFeature::Kind::plane:
+      return to_plane(f, a, b);
+    case ContactFeature::Kind::line:
+      return to_line(f, a, b);
+    case ContactFeature::Kind::point:
+      return to_point(f, a, b);
     default:
-      return to_sphere(a, b, link_a, link_b);
+      break;
   }
+  if (shape.kind == ContactShape::Kind::capsule) return to_capsule(f, shape, a, b);
+  if (shape.kind == ContactShape::Kind::box) return to_box(f, shape, a, b);
+  return to_sphere(f, shape, a, b);
 }
 
-const LinkMotion& link_of(const Model& model, int shape, const std::vector<LinkMotion>& links) {
-  return links[static_cast<std::size_t>(model.contact_shapes[static_cast<std::size_t>(shape)].link)];
+// Two lines that cross: their nearest points c and o, and the unit directions.
+struct Crossing {
+  Vector3d c, o, n, e_a, e_b;
+  double length = 0, sine = 0;  // of o - c along n
+};
+
+Crossing crossing(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links) {
+  const LinkMotion &a = link_of(model, f.a, links), &b = link_of(model, f.b, links);
+  Crossing x;
+  x.e_a = a.R_WL * f.axis_a, x.e_b = b.R_WL * f.axis_b;
+  const Vector3d begin = a.point(f.place_a), apart = b.point(f.place_b) - begin, N = x.e_a.cross(x.e_b);
+  x.sine = N.norm();
+  x.n = N / x.sine;
+  x.c = begin + apart.cross(x.e_b).dot(N) / (x.sine * x.sine) * x.e_a;
+  x.length = x.n.dot(apart);
+  x.o = x.c + x.length * x.n;
+  return x;
 }
 
 }  // namespace
 
-double gap(const Model& model, const ContactPair& pair, int point, const std::vector<LinkMotion>& links,
-           double* rate) {
-  const Nearest x = nearest(model, pair, point, links);
-  if (rate) *rate = x.n.dot(at_point(link_of(model, pair.b, links).V - link_of(model, pair.a, links).V, x.c));
-  return x.length - x.r_a - x.r_b;
+double gap(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links, double* rate) {
+  Vector3d n, c;
+  double length = 0;
+  if (f.kind == ContactFeature::Kind::lines) {
+    const Crossing x = crossing(model, f, links);
+    n = x.n, c = x.c, length = x.length;
+  } else {
+    const Nearest x = nearest(model, f, links);
+    n = x.n, c = x.c, length = x.length;
+  }
+  if (rate) *rate = n.dot(at_point(link_of(model, f.b, links).V - link_of(model, f.a, links).V, c));
+  return length - f.radius_a - f.radius_b;
 }
+
+namespace {
+
+// With m across n and e_b, m . (c - o) stays zero, which gives the change of c along e_a.
+Touch touch_lines(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links) {
+  using Row6d = Eigen::Matrix<double, 1, 6>;
+  const Crossing x = crossing(model, f, links);
+  Touch t;
+  t.n = x.n;
+  t.gap = x.length - f.radius_a - f.radius_b;
+  const double reach = f.radius_a + 0.5 * t.gap;
+  t.p = x.c + reach * x.n;
+  const Matrix3d across = (Matrix3d::Identity() - x.n * x.n.transpose()) / x.sine;
+  t.dn_a.setZero(), t.dn_b.setZero();
+  t.dn_a.leftCols<3>() = across * skew(x.e_b) * skew(x.e_a);
+  t.dn_b.leftCols<3>() = -across * skew(x.e_a) * skew(x.e_b);
+  const Matrix3x6d at_c = at_point_matrix(x.c), at_o = at_point_matrix(x.o);
+  const Vector3d m = x.n.cross(x.e_b);
+  const double along = m.dot(x.e_a);
+  const Row6d slide_a = -m.transpose() * (at_c + x.length * t.dn_a) / along,
+              slide_b = -m.transpose() * (x.length * t.dn_b - at_o) / along;
+  const Row6d d_gap = x.n.transpose() * at_c;  // per displacement of b
+  t.dp_a = at_c + x.e_a * slide_a + reach * t.dn_a - 0.5 * x.n * d_gap;
+  t.dp_b = x.e_a * slide_b + reach * t.dn_b + 0.5 * x.n * d_gap;
+  return t;
+}
+
+}  // namespace
 
 // b seen at c moves by dx_b; relative to b, c moves by dc = dx_a - dx_b, and o by its part along the free
 // directions. The normal turns with b, and by -(1 - n n^T - along along^T) dc / length besides.
-Touch touch(const Model& model, const ContactPair& pair, int point, const std::vector<LinkMotion>& links) {
-  const Nearest x = nearest(model, pair, point, links);
+Touch touch(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links) {
+  if (f.kind == ContactFeature::Kind::lines) return touch_lines(model, f, links);
+  const Nearest x = nearest(model, f, links);
   Touch t;
   t.n = x.n;
   t.gap = x.length - x.r_a - x.r_b;

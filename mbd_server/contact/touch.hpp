@@ -1,15 +1,14 @@
-// Where two shapes are nearest to each other, and how that changes with the displacements of their links.
+// Where two features touch, and how that changes with the displacements of their links.
 #pragma once
 
-#include "mbd_server/kinematics/kinematics.hpp"
+#include "mbd_server/contact/features.hpp"
 
 namespace tandem::mbd {
 
 using Matrix3x6d = Eigen::Matrix<double, 3, 6>;
 
-// Distance of the shapes at one point of the pair: negative where they overlap [m]. `rate` gets its rate
-// [m/s].
-double gap(const Model& model, const ContactPair& pair, int point, const std::vector<LinkMotion>& links,
+// Distance of the shapes at that feature: negative where they overlap [m]. `rate` gets its rate [m/s].
+double gap(const Model& model, const ContactFeature& feature, const std::vector<LinkMotion>& links,
            double* rate = nullptr);
 
 struct Touch {
@@ -19,6 +18,14 @@ struct Touch {
   // Changes of n and p per displacement of the links. That of the gap is n . (dx_b - dx_a) at p.
   Matrix3x6d dn_a, dn_b, dp_a, dp_b;
 };
-Touch touch(const Model& model, const ContactPair& pair, int point, const std::vector<LinkMotion>& links);
+Touch touch(const Model& model, const ContactFeature& feature, const std::vector<LinkMotion>& links);
+
+// Place of a point of a link in the frame of that link.
+inline Vector3d in_link(const LinkMotion& link, const Vector3d& p) {
+  return link.R_WL.transpose() * (p - link.p_WL);
+}
+inline const LinkMotion& link_of(const Model& model, int shape, const std::vector<LinkMotion>& links) {
+  return links[static_cast<std::size_t>(model.contact.shape(shape).link)];
+}
 
 }  // namespace tandem::mbd

@@ -20,7 +20,7 @@ std::string MbdSolver::obstacle_to_estimate() const {
   if (machine_->extrapolation) return "the error of second order is extrapolated";
   if (resumed_) return "the run was continued from a file";
   if (machine_->contacts.counters().contacts > 0) return "joints meet their stops";
-  if (!machine_->model.contact_pairs.empty()) return "bodies touch each other";
+  if (!machine_->model.contact.empty()) return "bodies touch each other";
   if (machine_->stiction.counters().stuck + machine_->stiction.counters().broken_away > 0)
     return "joints stick and slide";
   if (machine_->method.shortened().count > 0) return "steps were taken in parts";

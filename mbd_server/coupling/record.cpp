@@ -57,7 +57,7 @@ void MbdSolver::record_step(double h) {
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
   machine_->contacts.take_lost(
       [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
-  if (!machine_->model.contact_pairs.empty())
+  if (!machine_->model.contact.empty())
     totals_.energy.add(&EnergySums::dissipated, machine_->touching.take_lost());
   record_local_error(h);
   watch_energy();

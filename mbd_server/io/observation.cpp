@@ -11,14 +11,14 @@
 namespace tandem::mbd {
 namespace {
 
-// Calls act(pair, force) for every point in contact.
+// Calls act(shape a, shape b, force) for every point in contact.
 template <class Act>
 void for_each_contact(const Model& model, const State& state, const std::vector<LinkMotion>& links,
                       const Act& act) {
-  if (state.contacts.cols() == 0) return;
-  for (const ContactPair& pair : model.contact_pairs)
-    for (int i = 0; i < pair.count; ++i)
-      if (touches(state, pair.first + i)) act(pair, evaluate(model, pair, i, state, links));
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
+    act(model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_a, k))),
+        model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_b, k))),
+        evaluate(model, state.contacts.col(k), links));
 }
 
 Matrix6d inertia_in_world(const BodyOnLink& body, const LinkMotion& link) {
@@ -103,11 +103,12 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
   const auto apply = [&](int body, const Vector6d& wrench) {
     if (body != none) carried_[body] -= wrench;
   };
-  for_each_contact(model_, state, links, [&](const ContactPair& pair, const ContactForce& f) {
-    const Vector6d wrench = wrench_at(f.p, f.force);
-    apply(model_.contact_shapes[static_cast<std::size_t>(pair.b)].body, wrench);
-    apply(model_.contact_shapes[static_cast<std::size_t>(pair.a)].body, -wrench);
-  });
+  for_each_contact(model_, state, links,
+                   [&](const ContactShape& a, const ContactShape& b, const ContactForce& f) {
+                     const Vector6d wrench = wrench_at(f.p, f.force);
+                     apply(b.body, wrench);
+                     apply(a.body, -wrench);
+                   });
   for (const Spring& spring : model_.springs) {
     const SpringForce f = evaluate(spring, links);
     apply(spring.b.body, wrench_at(f.p_b, f.on_b));
@@ -171,7 +172,8 @@ double potential_energy(const Model& model, const State& state, const std::vecto
   for (const BodyOnLink& body : model.bodies)
     sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
-  for_each_contact(model, state, links, [&](const ContactPair&, const ContactForce& f) { sum += f.energy; });
+  for_each_contact(model, state, links,
+                   [&](const ContactShape&, const ContactShape&, const ContactForce& f) { sum += f.energy; });
   for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
   for (const RopeOnLinks& rope : model.ropes) {
     const double e = std::max(0.0, stretch_of(rope, links).elongation);
@@ -221,8 +223,9 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
     sum += tension(rope, stretch.elongation, stretch.rate);
   }
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).on_b.norm();
-  for_each_contact(model, state, links,
-                   [&](const ContactPair&, const ContactForce& f) { sum += f.force.norm(); });
+  for_each_contact(model, state, links, [&](const ContactShape&, const ContactShape&, const ContactForce& f) {
+    sum += f.force.norm();
+  });
   for (const BushingOnLinks& bushing : model.bushings) {
     const BushingForce f = evaluate(bushing, links);
     sum += f.on_b.head<3>().norm();

@@ -14,7 +14,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 8;
+constexpr std::uint64_t version = 9;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -26,8 +26,8 @@ std::string machine(const Model& model) {
   return text +
          fmt::format("{} boundary bodies, {} inputs, {} elements\n", model.boundary.size(), model.inputs,
                      model.accounts) +
-         (model.contact_pairs.empty() ? std::string()
-                                      : fmt::format("{} points of contact\n", model.contact_points));
+         (model.contact.empty() ? std::string()
+                                : fmt::format("{} shapes of contact\n", model.contact.shapes.size()));
 }
 
 // The first line in which the texts differ.
@@ -126,8 +126,9 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   state.load_rates = state.loads;
   if (file.size("stops") > 0) state.stops.setZero(StopRow::count, std::ssize(model.stops));
   state.sliding.setZero(std::ssize(model.stictions));
-  if (!model.contact_pairs.empty()) {
-    state.contacts.setZero(ContactRow::count, model.contact_points);
+  if (!model.contact.empty()) {
+    state.contacts.setZero(ContactRow::count,
+                           static_cast<Eigen::Index>(file.size("contacts")) / ContactRow::count);
     state.touch_step.setZero(1);
   }
   if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));

@@ -1,8 +1,9 @@
-// Shapes of bodies that touch, and the pairs of them that may. A contact has one or more points: the corners
-// of a polytope on a plane, or the one point where two round shapes are nearest.
+// Shapes of bodies that touch, which of them may, and by which law.
 #pragma once
 
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mbd_server/model/indices.hpp"
@@ -16,27 +17,50 @@ struct ContactShape {
   std::string name;  // shape "tread" of body "wheel"
   int body = none;   // body of the scene; none: ground
   LinkIndex link = 0;
+  int material = 0;
   double radius = 0;                      // of sphere and capsule [m]
-  Vector3d centre = Vector3d::Zero();     // of sphere and box; a point of the plane [m]
+  Vector3d centre = Vector3d::Zero();     // a point of the plane; else of the bounding sphere [m]
   Matrix3d axes = Matrix3d::Identity();   // of the box, as columns; the last is the plane's normal [-]
   Vector3d half_size = Vector3d::Zero();  // of the box [m]
-  std::vector<Vector3d> points{};         // corners of box and hull; ends of the capsule's axis [m]
+  double bound = 0;                       // radius of the bounding sphere about `centre` [m]
+  double thickness = 0;                   // a body that moves by less does not pass through it [m]
+  // Of the sphere its centre, of the capsule the ends of its axis, of box and hull the corners [m].
+  std::vector<Vector3d> points{};
+  // Of box and hull: faces as corners in the order of the outward normal, edges as two corners. Each edge has
+  // the indices of its two faces.
+  struct Face {
+    Vector3d normal = Vector3d::Zero();
+    std::vector<int> corners{};
+  };
+  struct Edge {
+    int from = 0, to = 0;
+    std::array<int, 2> faces{};
+  };
+  std::vector<Face> faces{};
+  std::vector<Edge> edges{};  // of the capsule its axis, without faces
+
+  bool is_polytope() const { return kind == Kind::box || kind == Kind::hull; }
 };
 
 struct ContactLaw {
   bool hertz = false;           // force over depth to the power 3/2, else linear
-  double stiffness = 0;         // [N/m^1.5] or [N/m]
+  double stiffness = 0;         // [N/m^1.5] or [N/m]; of a ContactSurfaces with hertz: 4/3 E* [Pa]
   double tangential_ratio = 0;  // tangential over normal stiffness [-]
   double damping_number = 0;    // of the restitution, see forces/joint_force.hpp [-]
   double friction = 0;          // Coulomb coefficient [-]
 };
 
-// Shapes a and b on different links, of which one is not the ground. b is the plane, where there is one;
-// else a is a sphere.
-struct ContactPair {
-  int a = none, b = none;  // index in Model::contact_shapes
-  ContactLaw law;
-  int first = 0, count = 1;  // of its points, columns of State::contacts
+struct BodyContactModel {
+  std::vector<ContactShape> shapes;
+  std::vector<ContactLaw> laws;            // (materials x materials)
+  std::vector<std::pair<int, int>> apart;  // bodies that pass through each other, sorted, first < second
+  int materials = 0;
+
+  bool empty() const { return shapes.empty(); }
+  const ContactShape& shape(int i) const { return shapes[static_cast<std::size_t>(i)]; }
+  // Whether two shapes touch where they meet.
+  bool may_touch(int a, int b) const;
+  ContactLaw law(int a, int b) const;
 };
 
 }  // namespace tandem::mbd

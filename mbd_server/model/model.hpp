@@ -176,9 +176,7 @@ struct Model {
   int inputs = 0;                      // number of values that a controller sets
   std::vector<InputRange> input_ranges;
   std::vector<Element> elements;
-  std::vector<ContactShape> contact_shapes;
-  std::vector<ContactPair> contact_pairs;
-  int contact_points = 0;  // of all pairs: columns of State::contacts
+  BodyContactModel contact;  // between bodies
   // Number of scene::elements_of(): each force, coupler and joint among them has an index, its account, under
   // which its work and its losses are recorded.
   int accounts = 0;

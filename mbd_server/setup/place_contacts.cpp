@@ -1,8 +1,11 @@
 // The shapes of bodies that touch, and the pairs of them that may.
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include "common/error.hpp"
+#include "common/geometry/convex_hull.hpp"
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/setup/placement.hpp"
 
@@ -16,7 +19,6 @@ struct ContactPlacer {
   const Placement& at;
   Model& model;
   const scene::BodyContact& contact;
-  std::vector<const scene::Shape*> shapes{};  // (contact shapes)
 
   void add(const scene::Shape& shape) {
     const bool on_ground = shape.body == ground;
@@ -33,111 +35,184 @@ struct ContactPlacer {
     s.link = at.link_of(model, shape.body);
     s.centre = place({0, 0, 0}).p_LP;
     s.axes = turned.toRotationMatrix();
+    s.material = shape.contact_material;
+    const auto local = [&](const Vector3d& p) { return place(to_vec3(p)).p_LP; };
     if (const auto* sphere = std::get_if<scene::SphereShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::sphere;
-      s.radius = sphere->radius;
+      s.radius = s.bound = s.thickness = sphere->radius;
+      s.points = {s.centre};
     } else if (const auto* capsule = std::get_if<scene::CapsuleShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::capsule;
-      s.radius = capsule->radius;
-      for (const double end : {-0.5, 0.5}) s.points.push_back(place({0, 0, end * capsule->height}).p_LP);
+      s.radius = s.thickness = capsule->radius;
+      s.bound = capsule->radius + 0.5 * capsule->height;
+      for (const double end : {-0.5, 0.5}) s.points.push_back(local({0, 0, end * capsule->height}));
+      s.edges = {{0, 1, {}}};
     } else if (const auto* box = std::get_if<scene::BoxShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::box;
       s.half_size = 0.5 * to_eigen(box->size);
+      s.bound = s.half_size.norm();
+      s.thickness = s.half_size.minCoeff();
       for (int corner = 0; corner < 8; ++corner)
         s.points.push_back(
-            place({(corner & 1 ? 0.5 : -0.5) * box->size.x, (corner & 2 ? 0.5 : -0.5) * box->size.y,
-                   (corner & 4 ? 0.5 : -0.5) * box->size.z})
-                .p_LP);
+            local({(corner & 1 ? 1 : -1) * s.half_size.x(), (corner & 2 ? 1 : -1) * s.half_size.y(),
+                   (corner & 4 ? 1 : -1) * s.half_size.z()}));
+      const int faces[6][4] = {{1, 3, 7, 5}, {0, 4, 6, 2}, {2, 6, 7, 3},
+                               {0, 1, 5, 4}, {4, 5, 7, 6}, {0, 2, 3, 1}};
+      for (const auto& face : faces) s.faces.emplace_back().corners.assign(face, face + 4);
+      finish(s);
     } else if (const auto* hull = std::get_if<scene::HullShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::hull;
-      for (const Vec3d& p : hull->points) s.points.push_back(place(p).p_LP);
+      add_hull(*hull, shape, s);
+      for (Vector3d& p : s.points) p = local(p);
+      s.centre.setZero();
+      for (const Vector3d& p : s.points) s.centre += p / static_cast<double>(s.points.size());
+      for (const Vector3d& p : s.points) s.bound = std::max(s.bound, (p - s.centre).norm());
+      finish(s);
+      s.thickness = HUGE_VAL;
+      for (const ContactShape::Face& face : s.faces)
+        s.thickness = std::min(
+            s.thickness, face.normal.dot(s.points[static_cast<std::size_t>(face.corners[0])] - s.centre));
     } else if (const auto* plane = std::get_if<scene::PlaneShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::plane;
       s.centre = place(plane->point).p_LP;
-      const Vector3d n = (turned * to_eigen(plane->normal)).normalized();
+      s.thickness = HUGE_VAL;
+      const Vector3d n = (s.axes * to_eigen(plane->normal)).normalized();
       s.axes.col(2) = n;
       s.axes.col(0) = n.unitOrthogonal();
       s.axes.col(1) = n.cross(s.axes.col(0));
     } else {
       throw Error(ErrorCode::scene, "contact of bodies is not computed for this shape", shape.path);
     }
-    model.contact_shapes.push_back(std::move(s));
-    shapes.push_back(&shape);
+    model.contact.shapes.push_back(std::move(s));
   }
 
-  bool are_neighbours(int a, int b) const {
-    if (a == none || b == none) return false;
-    return std::any_of(model.joints.begin(), model.joints.end(), [&](const SceneJoint& joint) {
-      return joint.type != scene::JointType::free &&
-             ((joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a));
-    });
-  }
-  bool are_ignored(BodyId a, BodyId b) const {
-    return std::any_of(contact.ignore.begin(), contact.ignore.end(), [&](const auto& pair) {
-      return (pair[0] == a && pair[1] == b) || (pair[0] == b && pair[1] == a);
-    });
+  // Normals of the faces; edges with their two faces.
+  static void finish(ContactShape& s) {
+    std::map<std::pair<int, int>, std::size_t> edges;
+    for (std::size_t f = 0; f < s.faces.size(); ++f) {
+      ContactShape::Face& face = s.faces[f];
+      const auto at = [&](std::size_t i) {
+        return s.points[static_cast<std::size_t>(face.corners[i % face.corners.size()])];
+      };
+      for (std::size_t i = 0; i < face.corners.size(); ++i) {
+        face.normal += (at(i) - at(0)).cross(at(i + 1) - at(0));
+        const int from = face.corners[i], to = face.corners[(i + 1) % face.corners.size()];
+        const auto [found, is_new] = edges.try_emplace(std::minmax({from, to}), s.edges.size());
+        if (is_new)
+          s.edges.push_back({from, to, {static_cast<int>(f), static_cast<int>(f)}});
+        else
+          s.edges[found->second].faces[1] = static_cast<int>(f);
+      }
+      face.normal.normalize();
+    }
   }
 
-  ContactLaw law(int a, int b) const {
-    const int m_a = shapes[static_cast<std::size_t>(a)]->contact_material,
-              m_b = shapes[static_cast<std::size_t>(b)]->contact_material;
+  // Corners of a hull in the frame of the shape, and its faces: triangles in one plane are one face.
+  static void add_hull(const scene::HullShape& hull, const scene::Shape& shape, ContactShape& s) {
+    const std::optional<TriangleMesh> mesh = convex_hull(hull.points);
+    if (!mesh)
+      throw Error(ErrorCode::scene, "the points of the hull are in one plane", shape.path + ".shape");
+    std::vector<int> corner_of(mesh->vertices.size(), none);
+    const auto corner = [&](std::uint32_t v) {
+      int& c = corner_of[v];
+      if (c == none) {
+        c = static_cast<int>(s.points.size());
+        s.points.push_back(to_eigen(mesh->vertices[v]));
+      }
+      return c;
+    };
+    struct Plane {
+      Vector3d normal;
+      double height;
+      std::set<std::pair<int, int>> boundary{};  // corner to corner
+    };
+    double size = 0;
+    for (const Vec3d& p : hull.points) size = std::max(size, norm(p - hull.points[0]));
+    std::vector<Plane> planes;
+    for (const auto& triangle : mesh->triangles) {
+      const int c[3] = {corner(triangle[0]), corner(triangle[1]), corner(triangle[2])};
+      const auto p = [&](int i) { return s.points[static_cast<std::size_t>(c[i])]; };
+      const Vector3d n = (p(1) - p(0)).cross(p(2) - p(0)).normalized();
+      auto plane = std::find_if(planes.begin(), planes.end(), [&](const Plane& known) {
+        return known.normal.dot(n) > 1 - 1e-12 && std::abs(known.height - n.dot(p(0))) < 1e-9 * size;
+      });
+      if (plane == planes.end()) plane = planes.insert(planes.end(), {n, n.dot(p(0))});
+      for (int i = 0; i < 3; ++i) {
+        const int from = c[i], to = c[(i + 1) % 3];
+        // An edge that the face has in both directions is inside it.
+        if (plane->boundary.erase({to, from}) == 0) plane->boundary.emplace(from, to);
+      }
+    }
+    for (const Plane& plane : planes) {
+      ContactShape::Face& face = s.faces.emplace_back();
+      const std::map<int, int> next(plane.boundary.begin(), plane.boundary.end());
+      const int first = next.begin()->first;
+      for (int c = first;;) {
+        face.corners.push_back(c);
+        c = next.at(c);
+        if (c == first) break;
+        if (face.corners.size() > next.size())
+          throw Error(ErrorCode::internal, "a face of the hull has no closed boundary",
+                      shape.path + ".shape");
+      }
+    }
+  }
+
+  void find_apart() {
+    auto& apart = model.contact.apart;
+    const auto add_pair = [&](int a, int b) { apart.emplace_back(std::min(a, b), std::max(a, b)); };
+    for (const SceneJoint& joint : model.joints)
+      if (joint.type != scene::JointType::free && joint.parent != none && joint.child != none)
+        add_pair(joint.parent, joint.child);
+    const auto index = [](BodyId body) { return body == ground ? none : static_cast<int>(body.value); };
+    for (const auto& pair : contact.ignore) add_pair(index(pair[0]), index(pair[1]));
+    std::sort(apart.begin(), apart.end());
+  }
+
+  ContactLaw law(int m_a, int m_b) const {
     const scene::ContactMaterialPair pair = scene::combined(contact, m_a, m_b);
     ContactLaw law;
     law.friction = *pair.friction;
     law.damping_number = damping_number(*pair.restitution);
+    const scene::ContactMaterial &one = contact.materials[static_cast<std::size_t>(m_a)],
+                                 &two = contact.materials[static_cast<std::size_t>(m_b)];
     if (pair.stiffness) {
       law.stiffness = *pair.stiffness;
       law.tangential_ratio = linear_ratio;
-      return law;
+    } else if (!one.stiffness && !two.stiffness) {
+      // Hertz, with Mindlin's tangential stiffness.
+      const double young =
+          1 / ((1 - one.poisson * one.poisson) / one.young + (1 - two.poisson * two.poisson) / two.young);
+      const double shear = 1 / (2 * (2 - one.poisson) * (1 + one.poisson) / one.young +
+                                2 * (2 - two.poisson) * (1 + two.poisson) / two.young);
+      law.hertz = true;
+      law.stiffness = 4. / 3 * young;
+      law.tangential_ratio = 4 * shear / young;
     }
-    // Hertz, with Mindlin's tangential stiffness; a plane has no curvature.
-    const scene::ContactMaterial &one = contact.materials[static_cast<std::size_t>(m_a)],
-                                 &two = contact.materials[static_cast<std::size_t>(m_b)];
-    const double young =
-        1 / ((1 - one.poisson * one.poisson) / one.young + (1 - two.poisson * two.poisson) / two.young);
-    const double shear = 1 / (2 * (2 - one.poisson) * (1 + one.poisson) / one.young +
-                              2 * (2 - two.poisson) * (1 + two.poisson) / two.young);
-    double curvature = 0;
-    for (const int s : {a, b})
-      if (const ContactShape& shape = model.contact_shapes[static_cast<std::size_t>(s)];
-          shape.kind == ContactShape::Kind::sphere)
-        curvature += 1 / shape.radius;
-    law.hertz = true;
-    law.stiffness = 4. / 3 * young / std::sqrt(curvature);
-    law.tangential_ratio = 4 * shear / young;
     return law;
-  }
-
-  void pair_up() {
-    using Kind = ContactShape::Kind;
-    for (int i = 0; i < std::ssize(model.contact_shapes); ++i)
-      for (int k = i + 1; k < std::ssize(model.contact_shapes); ++k) {
-        const ContactShape &one = model.contact_shapes[static_cast<std::size_t>(i)],
-                           &two = model.contact_shapes[static_cast<std::size_t>(k)];
-        if (one.link == two.link || are_neighbours(one.body, two.body)) continue;
-        if (are_ignored(shapes[static_cast<std::size_t>(i)]->body, shapes[static_cast<std::size_t>(k)]->body))
-          continue;
-        if (!scene::contact_is_computed(shapes[static_cast<std::size_t>(i)]->geometry,
-                                        shapes[static_cast<std::size_t>(k)]->geometry))
-          throw Error(ErrorCode::scene,
-                      "the contact of " + one.name + " with " + two.name + " is not computed", "mbd.contact",
-                      "list the two bodies under mbd.contact.ignore, or give other shapes");
-        const bool reversed =
-            one.kind == Kind::plane || (two.kind == Kind::sphere && one.kind != Kind::sphere);
-        ContactPair pair;
-        pair.a = reversed ? k : i, pair.b = reversed ? i : k;
-        const ContactShape &a = model.contact_shapes[static_cast<std::size_t>(pair.a)],
-                           &b = model.contact_shapes[static_cast<std::size_t>(pair.b)];
-        pair.law = law(pair.a, pair.b);
-        pair.count = b.kind == Kind::plane ? std::max(1, static_cast<int>(a.points.size())) : 1;
-        pair.first = model.contact_points;
-        model.contact_points += pair.count;
-        model.contact_pairs.push_back(pair);
-      }
   }
 };
 
 }  // namespace
+
+bool BodyContactModel::may_touch(int a, int b) const {
+  const ContactShape &one = shape(a), &two = shape(b);
+  if (one.link == two.link || (one.body != none && one.body == two.body)) return false;
+  return !std::binary_search(apart.begin(), apart.end(),
+                             std::pair{std::min(one.body, two.body), std::max(one.body, two.body)});
+}
+
+// A plane has no curvature.
+ContactLaw BodyContactModel::law(int a, int b) const {
+  const ContactShape &one = shape(a), &two = shape(b);
+  ContactLaw law = laws[static_cast<std::size_t>(one.material * materials + two.material)];
+  if (!law.hertz) return law;
+  double curvature = 0;
+  for (const ContactShape* s : {&one, &two})
+    if (s->kind == ContactShape::Kind::sphere) curvature += 1 / s->radius;
+  law.stiffness /= std::sqrt(curvature);
+  return law;
+}
 
 void place_contacts(const Placement& placement, Model& model) {
   const scene::Scene& scene = placement.scene;
@@ -146,7 +221,11 @@ void place_contacts(const Placement& placement, Model& model) {
   for (const scene::Shape& shape : scene.contact->ground) placer.add(shape);
   for (const scene::Shape& shape : scene.shapes)
     if (shape.use == scene::ShapeUse::contact) placer.add(shape);
-  placer.pair_up();
+  placer.find_apart();
+  const int count = static_cast<int>(scene.contact->materials.size());
+  model.contact.materials = count;
+  for (int a = 0; a < count; ++a)
+    for (int b = 0; b < count; ++b) model.contact.laws.push_back(placer.law(a, b));
 }
 
 }  // namespace tandem::mbd

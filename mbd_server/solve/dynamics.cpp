@@ -1,5 +1,6 @@
 #include "mbd_server/solve/dynamics.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mbd_server/forces/joint_force.hpp"
@@ -26,7 +27,6 @@ Dynamics::Dynamics(const Model& model)
       ropes_(model.ropes.size()),
       elements_(model.elements.size()),
       cylinders_(model.elements.size()),
-      contacts_(model.contact_pairs.size()),
       z_(model.first_states),
       zdot_(VectorXd::Zero(z_.size())),
       equations_(static_cast<std::size_t>(model.equations)),
@@ -214,22 +214,39 @@ void Dynamics::apply_closures(const State& state) {
 
 // The wrench has no direction of its own: its whole change is in the derivatives.
 void Dynamics::apply_contacts(const State& state) {
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const ContactPair& pair = model_.contact_pairs[k];
-    PairOfLinks& sum = contacts_[k];
-    sum.touches = false;
-    Vector6d wrench = Vector6d::Zero();
-    for (int i = 0; i < pair.count; ++i) {
-      if (!touches(state, pair.first + i)) continue;
-      const ContactForce f = evaluate(model_, pair, i, state, links_);
-      if (!sum.touches) sum.by_a.setZero(), sum.by_b.setZero(), sum.by_velocity.setZero();
-      sum.touches = true;
-      wrench += wrench_at(f.p, f.force);
-      sum.by_a += f.by_a, sum.by_b += f.by_b, sum.by_velocity += f.by_velocity;
-    }
-    if (!sum.touches) continue;
-    apply(model_.contact_shapes[static_cast<std::size_t>(pair.b)].link, wrench);
-    apply(model_.contact_shapes[static_cast<std::size_t>(pair.a)].link, Vector6d(-wrench));
+  if (model_.contact.empty()) return;
+  contacts_.clear(), moving_contacts_.clear();
+  const auto links_of = [&](Eigen::Index k) {
+    return std::pair{model_.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_a, k))).link,
+                     model_.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_b, k))).link};
+  };
+  const auto before = [](const PairOfLinks& x, const std::pair<LinkIndex, LinkIndex>& y) {
+    return std::pair{x.a, x.b} < y;
+  };
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto [a, b] = std::minmax({links_of(k).first, links_of(k).second});
+    contact_order_.push_back({a, b});
+  }
+  std::sort(contact_order_.begin(), contact_order_.end());
+  contact_order_.erase(std::unique(contact_order_.begin(), contact_order_.end()), contact_order_.end());
+  for (const auto& [a, b] : contact_order_) {
+    contacts_.push_back({a, b, Matrix6d::Zero(), Matrix6d::Zero(), Matrix6d::Zero()});
+    if (a > 0) moving_contacts_.emplace_back(a, b);
+  }
+  contact_order_.clear();
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto [a, b] = links_of(k);
+    const ContactForce f = evaluate(model_, state.contacts.col(k), links_);
+    const Vector6d wrench = wrench_at(f.p, f.force);
+    apply(b, wrench);
+    apply(a, Vector6d(-wrench));
+    const auto at = std::lower_bound(contacts_.begin(), contacts_.end(),
+                                     std::pair{std::min(a, b), std::max(a, b)}, before);
+    // The wrench on the second of the two, per velocity of it relative to the first.
+    const double sign = a < b ? 1 : -1;
+    at->by_a += sign * (a < b ? f.by_a : f.by_b);
+    at->by_b += sign * (a < b ? f.by_b : f.by_a);
+    at->by_velocity += f.by_velocity;
   }
 }
 

@@ -56,6 +56,9 @@ class Dynamics {
   const VectorXd& states() const { return z_; }
   const VectorXd& state_rates() const { return zdot_; }
 
+  // Pairs of moving links in contact in the last residual(), sorted.
+  const std::vector<std::pair<LinkIndex, LinkIndex>>& links_in_contact() const { return moving_contacts_; }
+
  private:
   // Quantities of one link.
   struct Load {
@@ -66,7 +69,7 @@ class Dynamics {
 
   // Derivatives of the wrench of all points of a pair in contact, as in ContactForce.
   struct PairOfLinks {
-    bool touches = false;
+    LinkIndex a = 0, b = 0;
     Matrix6d by_a, by_b, by_velocity;
   };
 
@@ -95,12 +98,13 @@ class Dynamics {
   // Change of the applied loads per displacement of the link, less their rotation with it; valid where a
   // load is applied (links).
   std::vector<Matrix6d> applied_;
-  std::vector<SpringForce> springs_;          // (springs)
-  std::vector<BushingForce> bushings_;        // (bushings)
-  std::vector<RopeForce> ropes_;              // (ropes)
-  std::vector<ElementValue> elements_;        // (elements)
-  std::vector<SpringForce> cylinders_;        // valid for cylinders (elements)
-  std::vector<PairOfLinks> contacts_;         // (contact pairs)
+  std::vector<SpringForce> springs_;    // (springs)
+  std::vector<BushingForce> bushings_;  // (bushings)
+  std::vector<RopeForce> ropes_;        // (ropes)
+  std::vector<ElementValue> elements_;  // (elements)
+  std::vector<SpringForce> cylinders_;  // valid for cylinders (elements)
+  std::vector<PairOfLinks> contacts_;   // pairs of links in contact, sorted
+  std::vector<std::pair<LinkIndex, LinkIndex>> moving_contacts_, contact_order_;
   VectorXd z_, zdot_;                         // (first-order states)
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)

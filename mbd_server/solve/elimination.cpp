@@ -64,6 +64,7 @@ Elimination::Elimination(const Model& model)
 // Reach of rotating joints: a force with a lever of the loop's length. Reach of sliding joints: a force along
 // the joint. Couplers act on two coordinates only.
 void Elimination::measure_reach() {
+  noise_.clear();
   std::vector<double> length(model_.links.size(), 0);  // of the loops that a link is in [m]
   for (LinkIndex i = 1; i < std::ssize(plan_.links); ++i) {
     const Link& link = model_.links[i];
@@ -93,6 +94,20 @@ void Elimination::measure_reach() {
   }
   for (const Closure& c : model_.closures)
     noise_.push_back(zero_entry + (c.is_coupler() ? 0 : zero_position * model_.size / c.reach));
+}
+
+void Elimination::connect(const std::vector<std::pair<LinkIndex, LinkIndex>>& links) {
+  if (links == in_contact_) return;
+  in_contact_ = links;
+  blocks_.set_contacts(links);
+  plan_ = EliminationPlan(model_, blocks_.connections);
+  const std::size_t count = blocks_.connections.size();
+  joint_blocks_.resize(static_cast<std::size_t>(plan_.joint_blocks));
+  values_.resize(static_cast<std::size_t>(plan_.values));
+  pivot_.resize(count), null_.resize(count), level_.resize(count), nominal_.resize(count);
+  right_.resize(count), z_.resize(count);
+  reach_.assign(joint_blocks_.size(), {});
+  measure_reach();
 }
 
 void Elimination::set_redundant(const std::vector<int>& equations) {
@@ -137,6 +152,7 @@ void Elimination::make_link_geometric(LinkIndex i) {
 }
 
 Eigen::Index Elimination::sweep(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x) {
+  connect(dynamics.links_in_contact());
   dynamics.linearise(weights, blocks_);
   std::fill(values_.begin(), values_.end(), 0.0);
   for (Matrix6x18d& K : branches_) K.setZero();

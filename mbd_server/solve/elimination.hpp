@@ -97,6 +97,8 @@ class Elimination {
     double of(bool is_torque) const { return is_torque ? torque : force; }
   };
   void measure_reach();
+  // Plans anew where other links than before are in contact.
+  void connect(const std::vector<std::pair<LinkIndex, LinkIndex>>& links);
   Eigen::Index sweep(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x);
   void make_link_geometric(LinkIndex i);
   void pass_to_parent(LinkIndex i, const Matrix6x18d& K);
@@ -118,6 +120,7 @@ class Elimination {
 
   const Model& model_;
   Linearisation blocks_;
+  std::vector<std::pair<LinkIndex, LinkIndex>> in_contact_;  // pairs of moving links, part of the plan
   EliminationPlan plan_;
   LinkBlocks own_;              // of the link that the sweep visits
   Matrix6x18d next_;            // contribution of link i to link i - 1, where that is its parent

@@ -56,9 +56,7 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
   for (const Closure& c : model.closures)
     stiffness_connection.push_back(
         c.has_geometric_stiffness() ? add(c.a, c.b, c.stiffness_is_torque() ? 3 : 6) : none);
-  for (const ContactPair& pair : model.contact_pairs)
-    contact_connection.push_back(add(model.contact_shapes[static_cast<std::size_t>(pair.a)].link,
-                                     model.contact_shapes[static_cast<std::size_t>(pair.b)].link, 6));
+  for (const ContactShape& shape : model.contact.shapes) add(0, shape.link, 6);
   for (const RopeOnLinks& rope : model.ropes) {
     std::vector<LinkIndex> moving;
     for (const PointOnBody& p : rope.points)
@@ -90,11 +88,22 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
     load_connection.push_back(add_size(load.over, load.at.link, false));
   for (const JointForce& f : model.joint_forces)
     joint_force_connection.push_back(add_size(f.over, f.link, true));
+  first_contact = static_cast<int>(connections.size());
+  make_blocks(0);
+}
+
+void Linearisation::make_blocks(std::size_t first) {
   blocks.resize(connections.size());
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
+  for (std::size_t k = first; k < blocks.size(); ++k) {
     blocks[k] = {Matrix6d::Zero(), Matrix6d::Zero(), Matrix6x18d::Zero(), Matrix6x18d::Zero(), {}, {}, {}};
     blocks[k].more.resize(connections[k].more.size());
   }
+}
+
+void Linearisation::set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links) {
+  connections.resize(static_cast<std::size_t>(first_contact));
+  for (const auto& [a, b] : links) connections.push_back({a, b, 6, true, false, none});
+  make_blocks(static_cast<std::size_t>(first_contact));
 }
 
 bool Dynamics::needs_velocity_gradient(const MatrixWeights& weights) const {
@@ -252,17 +261,8 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     place(out.bushing_connection[s], a, b, Matrix6d::Identity(), Matrix6d::Identity(),
           Form(wrench * (turn_with_a - change)), change_b, 6);
   }
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const ContactPair& pair = model_.contact_pairs[k];
-    const PairOfLinks& f = contacts_[k];
-    const int connection = out.contact_connection[k];
-    if (!f.touches) {
-      if (connection != none) {
-        ConnectionBlocks& block = out.blocks[static_cast<std::size_t>(connection)];
-        block.C_a.setZero(), block.C_b.setZero(), block.R_a.setZero(), block.R_b.setZero();
-      }
-      continue;
-    }
+  int contact = out.first_contact;
+  for (const PairOfLinks& f : contacts_) {
     // The change of the velocity of a point at rest in the world is that of V x psi besides eta: it is in
     // by_a and by_b.
     Form change_a = Form::Zero(), change_b = Form::Zero();
@@ -270,9 +270,8 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     change_a.middleCols<6>(6) = -f.by_velocity;
     change_b.leftCols<6>() = weights.stiffness * f.by_b;
     change_b.middleCols<6>(6) = f.by_velocity;
-    place(connection, model_.contact_shapes[static_cast<std::size_t>(pair.a)].link,
-          model_.contact_shapes[static_cast<std::size_t>(pair.b)].link, Matrix6d::Identity(),
-          Matrix6d::Identity(), change_a, change_b, 6);
+    place(f.a > 0 ? contact++ : none, f.a, f.b, Matrix6d::Identity(), Matrix6d::Identity(), change_a,
+          change_b, 6);
   }
   for (std::size_t k = 0; k < model_.closures.size(); ++k) {
     const Closure& c = model_.closures[k];

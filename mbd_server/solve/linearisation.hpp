@@ -72,14 +72,17 @@ struct ConnectionBlocks {
 // (Dynamics::linearise_link): stored for all links they would be most of the memory traffic of a step.
 struct Linearisation {
   explicit Linearisation(const Model& model);
+  // Pairs of moving links in contact: the last of the connections.
+  void set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links);
+  void make_blocks(std::size_t first);
 
   // Closures, then springs, cylinders, bushings and geometric stiffnesses between moving links.
   std::vector<Connection> connections;
+  int first_contact = 0;                 // index of the first connection of contacts
   std::vector<ConnectionBlocks> blocks;  // (connections)
   // none: one end is on the ground; cylinder_connection (elements): also for motors; stiffness_connection:
   // also where the closure has no geometric stiffness
   std::vector<int> spring_connection, cylinder_connection, bushing_connection, stiffness_connection;
-  std::vector<int> contact_connection;            // (contact pairs); as spring_connection
   std::vector<int> tension_connection;            // (ropes)
   std::vector<std::vector<int>> span_connection;  // (ropes, spans)
   // Of a size over a joint coordinate; none: the force acts on the coordinate itself, or on the ground, or

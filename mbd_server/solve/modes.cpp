@@ -151,14 +151,14 @@ int add_states(const Model& model, MachineSystem& system, const State& state, co
 
 // Below that, the motion of the freedoms is the round-off of a mode of the states alone.
 void normalise(Mode& mode) {
-  constexpr double round_off = 1e-10;
+  constexpr double noise_of_roots = 1e-10;
   const auto widest = [](const Eigen::VectorXcd& v) {
     Eigen::Index i = 0;
     if (v.size() > 0) v.cwiseAbs().maxCoeff(&i);
     return v.size() > 0 ? v[i] : 0.;
   };
   const std::complex<double> freedom = widest(mode.shape), state = widest(mode.states);
-  const bool moves = std::abs(freedom) > round_off * std::abs(state);
+  const bool moves = std::abs(freedom) > noise_of_roots * std::abs(state);
   if (!moves) mode.shape.setZero();
   mode.shape /= moves ? freedom : state;
   mode.states /= moves ? freedom : state;

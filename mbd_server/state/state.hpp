@@ -33,7 +33,19 @@ struct ContactRow {
     damping,          // beside it [N s/m]
     on_a,             // end of that spring on link a, frame of the link [m] (3)
     on_b = on_a + 3,  // on link b, likewise (3)
-    count = on_b + 3
+    // The feature that touches (contact/features.hpp).
+    shape_a = on_b + 3,
+    shape_b,
+    kind,
+    code,
+    by_place,
+    radius_a,
+    radius_b,
+    place_a,               // (3)
+    axis_a = place_a + 3,  // (3)
+    place_b = axis_a + 3,  // (3)
+    axis_b = place_b + 3,  // (3)
+    count = axis_b + 3
   };
 };
 
@@ -79,7 +91,7 @@ struct State {
   StopContactRows stops;
   VectorXd sliding;  // of joints with stiction: 0 where they stick, else the sign of the rate (stictions)
   double contact_step = 0;  // longest step that contacts allow [s]; 0: no limit
-  // Contacts between bodies, maintained by BodyContacts (ContactRow x points of contact). Empty: bodies pass
+  // Contacts between bodies, maintained by BodyContacts (ContactRow x points in contact). Empty: none touch
   // through each other.
   Eigen::Matrix<double, ContactRow::count, Eigen::Dynamic> contacts;
   // Longest step that they allow [s], 0: no limit (1); empty where the scene has none.

@@ -1,5 +1,7 @@
 #include "mbd_server/step/body_contacts.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,8 +21,12 @@ constexpr double largest_turn = 0.5;
 // A step that passes the end of a contact within these shares of its length is not cut; one that is cut
 // passes the end by at most late_share.
 constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
+// A point of a face within this share of the size of its shape is the one that was there a step before.
+constexpr double same_place = 0.05;
 // The spring of friction gets new ends where the point of contact has moved away by this share of the radius.
 constexpr double rolled = 1e-3;
+// Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
+constexpr double start_overlap = 0.1;
 
 }  // namespace
 
@@ -33,33 +39,51 @@ BodyContacts::BodyContacts(const Model& model, GeneralizedAlpha& method, Machine
       stiction_(stiction),
       tolerance_(1e-10 * model.size),
       before_(state),
-      gaps_before_(static_cast<std::size_t>(model.contact_points)),
-      gaps_(gaps_before_),
-      at_begin_(gaps_.size()),
-      at_end_(gaps_.size()),
       unit_(VectorXd::Zero(state.u.size())),
       response_(unit_),
       dlambda_(VectorXd::Zero(system.constraints())),
       zero_(dlambda_) {}
 
-template <class Act>
-void BodyContacts::for_each_point(const Act& act) const {
-  for (std::size_t k = 0; k < model_.contact_pairs.size(); ++k)
-    for (int i = 0; i < model_.contact_pairs[k].count; ++i) act(k, i, model_.contact_pairs[k].first + i);
-}
-
 void BodyContacts::prepare(State& state) {
-  if (model_.contact_pairs.empty()) return;
-  state.contacts.setZero(ContactRow::count, model_.contact_points);
+  if (model_.contact.empty()) return;
+  state.contacts.setZero(ContactRow::count, 0);
   state.touch_step.setZero(1);
   system_.residual(state);
+  find(state, 0);
   enter_all(state);
+  expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
+               "move one of them: they would be thrown apart");
+}
+
+// Throws where two shapes overlap by more than this share of the thinner one: what they do then is no
+// contact.
+void BodyContacts::expect_apart(const State& state, double share, ErrorCode code, const char* what,
+                                const char* hint) const {
+  const auto thickness = [&](double shape) {
+    const ContactShape& s = model_.contact.shape(static_cast<int>(shape));
+    return s.kind == ContactShape::Kind::plane ? HUGE_VAL : s.thickness;
+  };
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto column = state.contacts.col(k);
+    const double depth = -evaluate(model_, column, system_.links()).gap;
+    const double a = column[ContactRow::shape_a], b = column[ContactRow::shape_b],
+                 thinner = std::min(thickness(a), thickness(b));
+    if (!(depth > share * thinner)) continue;
+    throw Error(code,
+                fmt::format("{} and {} {}, by {:.3g} m; the thinner one reaches {:.3g} m from its middle",
+                            model_.contact.shape(static_cast<int>(a)).name,
+                            model_.contact.shape(static_cast<int>(b)).name, what, depth, thinner),
+                "mbd.contact", hint);
+  }
 }
 
 double BodyContacts::step(State& state, double h, const Stride& stride) {
-  if (model_.contact_pairs.empty()) return stride(h);
-  measure(state, gaps_before_);
+  if (model_.contact.empty()) return stride(h);
+  system_.residual(state);
+  find(state, h);
+  system_.residual(state);
   if (enter_all(state)) method_.start(system_, state, longest_step(state, requested_));
+  measure(state, gaps_before_);
   before_ = state;
   stops_before_ = stops_.mark();
   stiction_before_ = stiction_.counters();
@@ -69,28 +93,105 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   measure(state, gaps_);
   if (const std::optional<Passage> first = passed(taken)) taken = cut(state, taken, *first, stride);
   accept(state, taken);
+  expect_apart(state, 1, ErrorCode::numerics, "pass through each other",
+               "give their materials more stiffness, so that they stop each other before that");
   if (enter_all(state)) method_.start(system_, state, longest_step(state, requested_));
   return taken;
 }
 
-void BodyContacts::measure(State& state, std::vector<Gap>& gaps) {
+// The features that may touch within h. Those that touch keep their data; those that are no longer features
+// are dropped.
+void BodyContacts::find(State& state, double h) {
+  const auto& links = system_.links();
+  find_pairs(model_, links, h, pairs_);
+  candidates_.clear();
+  std::vector<bool> taken(static_cast<std::size_t>(state.contacts.cols()), false);
+  std::vector<Eigen::Index> kept;
+  by_pair_.clear();
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto a = static_cast<int>(state.contacts(ContactRow::shape_a, k)),
+               b = static_cast<int>(state.contacts(ContactRow::shape_b, k));
+    by_pair_.push_back({std::min(a, b), std::max(a, b), k});
+  }
+  std::sort(by_pair_.begin(), by_pair_.end());
+  for (const NearPair& pair : pairs_) {
+    const Range points = of_pair(pair.a, pair.b);
+    const std::int64_t preferred =
+        points.empty() ? -1
+                       : static_cast<std::int64_t>(state.contacts(ContactRow::code, points.back().column));
+    features_.clear();
+    find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_);
+    for (const ContactFeature& feature : features_) {
+      const Eigen::Index column = matching(state, feature, points, taken);
+      candidates_.push_back({feature, column});
+      if (column < 0) continue;
+      taken[static_cast<std::size_t>(column)] = true;
+      set_feature(feature, state.contacts.col(column));
+      kept.push_back(column);
+    }
+  }
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
+    if (!taken[static_cast<std::size_t>(k)]) lost_ += evaluate(model_, state.contacts.col(k), links).energy;
+  keep(state, kept);
+}
+
+BodyContacts::Range BodyContacts::of_pair(int a, int b) const {
+  const auto first = std::lower_bound(by_pair_.begin(), by_pair_.end(), OfPair{a, b, 0});
+  auto last = first;
+  while (last != by_pair_.end() && last->a == a && last->b == b) ++last;
+  return {first, last};
+}
+
+// The column of the point in contact that the feature continues, or -1.
+Eigen::Index BodyContacts::matching(const State& state, const ContactFeature& f, Range points,
+                                    const std::vector<bool>& taken) const {
+  Eigen::Index found = -1;
+  double nearest = HUGE_VAL;
+  for (const OfPair& point : points) {
+    const Eigen::Index k = point.column;
+    if (taken[static_cast<std::size_t>(k)]) continue;
+    const ContactFeature g = feature_of(state.contacts.col(k));
+    if (g.a != f.a || g.b != f.b || g.code != f.code) continue;
+    if (!f.by_place) return k;
+    const double distance = (g.place_a - f.place_a).norm();
+    if (distance < nearest && distance < same_place * model_.contact.shape(f.a).bound)
+      nearest = distance, found = k;
+  }
+  return found;
+}
+
+// Leaves these columns, in the order of their indices.
+void BodyContacts::keep(State& state, const std::vector<Eigen::Index>& columns) {
+  std::vector<Eigen::Index> sorted = columns, place(static_cast<std::size_t>(state.contacts.cols()), -1);
+  std::sort(sorted.begin(), sorted.end());
+  if (std::ssize(sorted) == state.contacts.cols()) return;
+  Eigen::Index count = 0;
+  for (const Eigen::Index k : sorted) {
+    place[static_cast<std::size_t>(k)] = count;
+    if (k != count) state.contacts.col(count) = state.contacts.col(k).eval();
+    ++count;
+  }
+  state.contacts.conservativeResize(Eigen::NoChange, count);
+  for (Candidate& c : candidates_)
+    if (c.column >= 0) c.column = place[static_cast<std::size_t>(c.column)];
+}
+
+void BodyContacts::measure(State& state, Gaps& gaps) {
   system_.residual(state);
-  for_each_point([&](std::size_t k, int i, int column) {
-    Gap& g = gaps[static_cast<std::size_t>(column)];
-    g.value = gap(model_, model_.contact_pairs[k], i, system_.links(), &g.rate);
-  });
+  gaps.resize(candidates_.size());
+  for (std::size_t i = 0; i < candidates_.size(); ++i)
+    gaps[i].value = gap(model_, candidates_[i].feature, system_.links(), &gaps[i].rate);
 }
 
 // Estimates when a step of length h, from gaps_before_ to gaps_, passes the first begin or end of a contact.
 std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
   std::optional<Passage> first;
-  const auto add = [&](double time, Change change, int column) {
-    if (!first || time < first->time) first = {time, change, column};
+  const auto add = [&](double time, Change change, std::size_t candidate) {
+    if (!first || time < first->time) first = {time, change, candidate};
   };
-  for (int column = 0; column < model_.contact_points; ++column) {
-    const Gap &g0 = gaps_before_[static_cast<std::size_t>(column)],
-              &g1 = gaps_[static_cast<std::size_t>(column)];
-    if (touches(before_, column)) {
+  for (std::size_t column = 0; column < candidates_.size(); ++column) {
+    const Gap &g0 = gaps_before_[column], &g1 = gaps_[column];
+    if (candidates_[column].column >= 0) {
       if (!(g0.value < 0 && g1.value > 0)) continue;
       const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
       const double at = bisect(path);
@@ -128,12 +229,11 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
   for (int i = 0;; ++i) {
     const double taken = repeat(state, part, stride);
     double deepest = HUGE_VAL, rate = 0;
-    for (int column = 0; column < model_.contact_points; ++column)
-      if (const Gap& g = gaps_[static_cast<std::size_t>(column)];
-          !touches(before_, column) && g.value < deepest)
+    for (std::size_t k = 0; k < candidates_.size(); ++k)
+      if (const Gap& g = gaps_[k]; candidates_[k].column < 0 && g.value < deepest)
         deepest = g.value, rate = g.rate;
     if (first.change == Change::ends && deepest >= -tolerance_) {
-      const Gap& g = gaps_[static_cast<std::size_t>(first.column)];
+      const Gap& g = gaps_[first.candidate];
       const bool ended = g.value >= 0 && g.value <= late_share * h * std::abs(g.rate);
       if (ended || i >= 8 || taken < part) return taken;
       (g.value < 0 ? low : high) = taken;
@@ -154,29 +254,28 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
 bool BodyContacts::enter_all(State& state) {
   bool any = false;
   const auto& links = system_.links();
-  for_each_point([&](std::size_t k, int i, int column) {
-    if (touches(state, column)) return;
-    const ContactPair& pair = model_.contact_pairs[k];
+  for (Candidate& candidate : candidates_) {
+    if (candidate.column >= 0) continue;
     double rate = 0;
-    const double distance = gap(model_, pair, i, links, &rate);
-    if (!(distance <= tolerance_)) return;
-    if (rate > 0 && distance >= -tolerance_) return;
+    const double distance = gap(model_, candidate.feature, links, &rate);
+    if (!(distance <= tolerance_)) continue;
+    if (rate > 0 && distance >= -tolerance_) continue;
     if (!any) {
       response_.setZero();
       system_.factorise({.mass = 1, .damping = 0, .stiffness = 0}, response_);
     }
-    enter(state, k, i, std::max(0.0, -rate));
+    enter(state, candidate, std::max(0.0, -rate));
     any = true;
-  });
+  }
   return any;
 }
 
-void BodyContacts::enter(State& state, std::size_t k, int i, double rate) {
-  const ContactPair& pair = model_.contact_pairs[k];
-  const ContactShape &a = model_.contact_shapes[static_cast<std::size_t>(pair.a)],
-                     &b = model_.contact_shapes[static_cast<std::size_t>(pair.b)];
+void BodyContacts::enter(State& state, Candidate& candidate, double rate) {
+  const ContactFeature& feature = candidate.feature;
+  const ContactShape &a = model_.contact.shape(feature.a), &b = model_.contact.shape(feature.b);
+  const ContactLaw law = model_.contact.law(feature.a, feature.b);
   const auto& links = system_.links();
-  const Touch t = touch(model_, pair, i, links);
+  const Touch t = touch(model_, feature, links);
   // The inertia that the point feels, closures included: a unit force gives the gap the rate 1/m.
   const Vector6d wrench = wrench_at(t.p, t.n);
   unit_.setZero();
@@ -191,25 +290,26 @@ void BodyContacts::enter(State& state, std::size_t k, int i, double rate) {
   system_.solve(unit_, zero_, response_, dlambda_);
   const double compliance = unit_.dot(response_);
   // Bodies that motions or loops hold have no inertia along the contact; any finite value serves.
-  const double mass = compliance > 0 ? 1 / compliance : 1e6 * pair.law.stiffness;
-  const double depth = std::max(-t.gap, impact_depth(pair.law, mass, rate));
+  const double mass = compliance > 0 ? 1 / compliance : 1e6 * law.stiffness;
+  const double depth = std::max(-t.gap, impact_depth(law, mass, rate));
   // Secant stiffness of the impact; a contact that begins at rest gets that of a depth of the tolerance.
   const double reached = std::max(depth, tolerance_);
-  const double stiffness =
-      pair.law.hertz ? 1.5 * pair.law.stiffness * std::sqrt(reached) : pair.law.stiffness;
-  auto column = state.contacts.col(pair.first + i);
+  const double stiffness = law.hertz ? 1.5 * law.stiffness * std::sqrt(reached) : law.stiffness;
+  candidate.column = state.contacts.cols();
+  state.contacts.conservativeResize(Eigen::NoChange, candidate.column + 1);
+  ContactColumn column = ContactColumn::Zero();
+  set_feature(feature, column);
   column[ContactRow::mass] = mass;
   column[ContactRow::entry_rate] = rate;
   column[ContactRow::entry_time] = state.time;
   column[ContactRow::period] = std::numbers::pi * std::sqrt(mass / stiffness);
-  column[ContactRow::stiffness] = pair.law.tangential_ratio * stiffness;
-  column[ContactRow::damping] = pair.law.tangential_ratio * std::sqrt(stiffness * mass);
-  const auto local = [&](LinkIndex link) {
-    const LinkMotion& m = links[static_cast<std::size_t>(link)];
-    return Vector3d(m.R_WL.transpose() * (t.p - m.p_WL));
-  };
-  column.segment<3>(ContactRow::on_a) = local(a.link);
-  column.segment<3>(ContactRow::on_b) = local(b.link);
+  // Without friction nothing is held along the surfaces, and no spring stores energy there.
+  const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
+  column[ContactRow::stiffness] = ratio * stiffness;
+  column[ContactRow::damping] = ratio * std::sqrt(stiffness * mass);
+  column.segment<3>(ContactRow::on_a) = in_link(links[static_cast<std::size_t>(a.link)], t.p);
+  column.segment<3>(ContactRow::on_b) = in_link(links[static_cast<std::size_t>(b.link)], t.p);
+  state.contacts.col(candidate.column) = column;
   double& touch_step = state.touch_step[0];
   const double part = column[ContactRow::period] / steps_per_contact;
   touch_step = touch_step > 0 ? std::min(touch_step, part) : part;
@@ -217,35 +317,35 @@ void BodyContacts::enter(State& state, std::size_t k, int i, double rate) {
 }
 
 void BodyContacts::record(const State& state, std::vector<Exchange>& at) {
-  for_each_point([&](std::size_t k, int i, int column) {
-    Exchange& x = at[static_cast<std::size_t>(column)];
-    x = {};
-    if (!touches(state, column)) return;
-    const ContactForce f = evaluate(model_, model_.contact_pairs[k], i, state, system_.links());
-    x = {f.force.dot(f.velocity), f.energy};
-  });
+  at.resize(static_cast<std::size_t>(state.contacts.cols()));
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const ContactForce f = evaluate(model_, state.contacts.col(k), system_.links());
+    at[static_cast<std::size_t>(k)] = {f.force.dot(f.velocity), f.energy};
+  }
 }
 
 // The end of a step of length h: contacts that have ended, and friction that slides.
 void BodyContacts::accept(State& state, double h) {
   const auto& links = system_.links();
   double longest = HUGE_VAL;
-  bool any = false;
-  for_each_point([&](std::size_t k, int i, int index) {
-    if (!touches(state, index)) return;
-    any = true;
-    const ContactPair& pair = model_.contact_pairs[k];
-    const ContactForce f = evaluate(model_, pair, i, state, links);
+  const bool any = state.contacts.cols() > 0;
+  std::vector<Eigen::Index> kept;
+  for (Candidate& candidate : candidates_) {
+    if (candidate.column < 0) continue;
+    const Eigen::Index index = candidate.column;
     auto column = state.contacts.col(index);
+    const ContactLaw law = model_.contact.law(candidate.feature.a, candidate.feature.b);
+    const ContactForce f = evaluate(model_, column, links);
     const Exchange& begin = at_begin_[static_cast<std::size_t>(index)];
     const double work = 0.5 * h * (begin.power + f.force.dot(f.velocity));
     counters_.largest_force = std::max(counters_.largest_force, f.normal);
     counters_.largest_depth = std::max(counters_.largest_depth, -f.gap);
     if (f.gap > 0) {
       lost_ += begin.energy - work;
-      column.setZero();
-      return;
+      candidate.column = -1;
+      continue;
     }
+    kept.push_back(index);
     const double period = column[ContactRow::period];
     if (state.time - column[ContactRow::entry_time] <= lasting * period)
       longest = std::min(longest, period / steps_per_contact);
@@ -259,8 +359,8 @@ void BodyContacts::accept(State& state, double h) {
       stretch = Vector3d::Zero();
       if (elastic.dot(f.friction) > 0) stretch = -elastic / stiffness;
     }
-    const ContactShape &a = model_.contact_shapes[static_cast<std::size_t>(pair.a)],
-                       &b = model_.contact_shapes[static_cast<std::size_t>(pair.b)];
+    const ContactShape &a = model_.contact.shape(candidate.feature.a),
+                       &b = model_.contact.shape(candidate.feature.b);
     const LinkMotion &link_a = links[static_cast<std::size_t>(a.link)],
                      &link_b = links[static_cast<std::size_t>(b.link)];
     const Vector3d away = f.p - link_a.point(column.segment<3>(ContactRow::on_a));
@@ -270,9 +370,10 @@ void BodyContacts::accept(State& state, double h) {
       column.segment<3>(ContactRow::on_a) = link_a.R_WL.transpose() * (f.p - link_a.p_WL);
       column.segment<3>(ContactRow::on_b) = link_b.R_WL.transpose() * (f.p + stretch - link_b.p_WL);
     }
-    const double stored = normal_energy(pair.law, -f.gap) + 0.5 * stiffness * stretch.squaredNorm();
+    const double stored = normal_energy(law, -f.gap) + 0.5 * stiffness * stretch.squaredNorm();
     lost_ += begin.energy - stored - work;
-  });
+  }
+  keep(state, kept);
   if (any) ++counters_.steps;
   double& touch_step = state.touch_step[0];
   if (touch_step == 0 && longest == HUGE_VAL) return;
@@ -283,7 +384,14 @@ void BodyContacts::accept(State& state, double h) {
 double BodyContacts::longest_step(const State& state, double h) const {
   double longest = h;
   if (state.touch_step[0] > 0) longest = std::min(longest, state.touch_step[0]);
-  for (const ContactShape& shape : model_.contact_shapes) {
+  for (std::size_t k = 0; k < candidates_.size() && k < gaps_before_.size(); ++k) {
+    // A body that moves by more than the gap and half the thickness may pass through.
+    const ContactFeature& f = candidates_[k].feature;
+    const ContactShape &a = model_.contact.shape(f.a), &b = model_.contact.shape(f.b);
+    const double room = std::max(0.0, gaps_before_[k].value) + std::min(a.thickness, b.thickness);
+    if (-gaps_before_[k].rate * longest > room) longest = room / -gaps_before_[k].rate;
+  }
+  for (const ContactShape& shape : model_.contact.shapes) {
     if (shape.kind == ContactShape::Kind::sphere || shape.link == 0) continue;
     const double w = system_.links()[static_cast<std::size_t>(shape.link)].V.head<3>().norm();
     if (w * longest > largest_turn) longest = largest_turn / w;

@@ -8,10 +8,13 @@
 //   spring has the force with which the step ended.
 #pragma once
 
+#include <compare>
 #include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 
+#include "mbd_server/contact/contact_force.hpp"
 #include "mbd_server/solve/machine_system.hpp"
 #include "mbd_server/step/generalized_alpha.hpp"
 #include "mbd_server/step/stiction.hpp"
@@ -64,20 +67,39 @@ class BodyContacts {
   struct Passage {
     double time = 0;  // estimate, from the begin of the step [s]
     Change change = Change::begins;
-    int column = 0;  // of the point
+    std::size_t candidate = 0;
   };
 
-  void measure(State& state, std::vector<Gap>& gaps);
+  // A feature that touches or may touch within the step.
+  struct Candidate {
+    ContactFeature feature;
+    Eigen::Index column = -1;  // of State::contacts; -1: it does not touch
+  };
+  using Gaps = std::vector<Gap>;
+
+  void find(State& state, double h);
+  // A point in contact of a pair of shapes.
+  struct OfPair {
+    int a, b;
+    Eigen::Index column;
+    auto operator<=>(const OfPair&) const = default;
+  };
+  using Range = std::span<const OfPair>;
+  Range of_pair(int a, int b) const;
+  Eigen::Index matching(const State& state, const ContactFeature& feature, Range points,
+                        const std::vector<bool>& taken) const;
+  void keep(State& state, const std::vector<Eigen::Index>& columns);
+  void measure(State& state, Gaps& gaps);
   std::optional<Passage> passed(double h) const;
+  void expect_apart(const State& state, double share, ErrorCode code, const char* what,
+                    const char* hint) const;
   double repeat(State& state, double h, const Stride& stride);
   double cut(State& state, double h, const Passage& first, const Stride& stride);
   bool enter_all(State& state);
-  void enter(State& state, std::size_t pair, int point, double rate);
+  void enter(State& state, Candidate& candidate, double rate);
   void accept(State& state, double h);
   void record(const State& state, std::vector<Exchange>& at);
   double longest_step(const State& state, double h) const;
-  template <class Act>
-  void for_each_point(const Act& act) const;
 
   const Model& model_;
   GeneralizedAlpha& method_;
@@ -91,8 +113,12 @@ class BodyContacts {
   BodyContactCounters counters_;
   double lost_ = 0;  // [J]
   State before_;
-  std::vector<Gap> gaps_before_, gaps_;        // (points)
-  std::vector<Exchange> at_begin_, at_end_;    // (points)
+  std::vector<NearPair> pairs_;
+  std::vector<ContactFeature> features_;
+  std::vector<Candidate> candidates_;
+  std::vector<OfPair> by_pair_;
+  Gaps gaps_before_, gaps_;                    // (candidates)
+  std::vector<Exchange> at_begin_;             // (points in contact)
   VectorXd unit_, response_, dlambda_, zero_;  // wrench of a unit force at a point, and its effect
 };
 

@@ -11,18 +11,18 @@ namespace tandem::mbd {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double steps_per_contact = 32;
+constexpr double steps_per_stop_contact = 32;
 // Largest error of rate^2/2 of a step in a contact, relative to rate^2/2 at the contact's begin: three times
 // the error of a step of the length above.
 constexpr double largest_defect = 1e-3;
 // Contacts that end again last one to three times as long as a contact without loads.
-constexpr double lasting = 10;
+constexpr double lasting_stop = 10;
 constexpr double settling = 4;  // durations of a contact after which critical damping leaves 5e-5
 // Rate that loads give within 1 / frequency, relative to the entry rate: below this value the restitution is
 // that of the contact with its loads (1 kg that falls 0.1 m on 2e6 N/m).
 constexpr double small_load = 1. / 200;
 constexpr int most_contacts_in_step = 1000;
-constexpr double growth = 2;  // of the steps after a contact
+constexpr double growth_after_stop = 2;  // of the steps after a contact
 
 }  // namespace
 
@@ -277,7 +277,7 @@ bool StopContacts::settle_lasting(State& state) {
 
 bool StopContacts::young(const State& state, int i) const {
   const auto contact = state.stops.col(i);
-  const double periods = contact[StopRow::damping] > 0 ? settling : lasting;
+  const double periods = contact[StopRow::damping] > 0 ? settling : lasting_stop;
   return contact[StopRow::frequency] > 0 &&
          (state.time - contact[StopRow::entry_time]) * contact[StopRow::frequency] <= periods * pi;
 }
@@ -291,7 +291,7 @@ double StopContacts::longest_step(const State& state, int i) const {
   const double frequency = contact[StopRow::frequency], entry = contact[StopRow::entry_rate];
   if (!(frequency > 0)) return HUGE_VAL;
   const double x = contact_damping(force(i), entry) * std::abs(entry);
-  return pi / (steps_per_contact * frequency * std::sqrt(1 + x));
+  return pi / (steps_per_stop_contact * frequency * std::sqrt(1 + x));
 }
 
 bool StopContacts::resolved(const State& state, double h) const {
@@ -321,7 +321,7 @@ void StopContacts::accept(State& state) {
   }
   if (contact) ++counters_.steps;
   if (state.contact_step == 0) return;
-  state.contact_step = std::min(growth * state.contact_step, longest);
+  state.contact_step = std::min(growth_after_stop * state.contact_step, longest);
   if (state.contact_step >= resolution_.step) state.contact_step = 0;
 }
 

@@ -471,7 +471,7 @@ TEST(Traffic, GivesTheSameBits) {
     scene["dem"]["sensors"] = {
         {{"name", "gate"},
          {"position", {0, 0, 0.1}},
-         {"orientation", {{"axis", {1, 2, 3}}, {"angle", 0.5}}},
+         {"orientation", {{"axis", {0.6, 0, 0.8}}, {"angle", 0.5}}},
          {"shape", {{"type", "box"}, {"size", {0.3, 0.3, 0.2}}}},
          {"flow", "z"}},
         {{"name", "round"}, {"shape", {{"type", "cylinder"}, {"radius", 0.2}, {"height", 1}}}}};

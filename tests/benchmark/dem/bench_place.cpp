@@ -16,26 +16,13 @@
 #include "common/error.hpp"
 #include "common/geometry/mass_properties.hpp"
 #include "dem_server/io/place.hpp"
+#include "tests/support/torus.hpp"
 
 namespace tandem {
 namespace {
 
-TriangleMesh torus(double ring, double tube, std::uint32_t around, std::uint32_t across) {
-  TriangleMesh mesh;
-  for (std::uint32_t i = 0; i < around; ++i)
-    for (std::uint32_t j = 0; j < across; ++j) {
-      const double a = 2 * std::numbers::pi * i / around, b = 2 * std::numbers::pi * j / across,
-                   rho = ring + tube * std::cos(b);
-      mesh.vertices.push_back({rho * std::cos(a), rho * std::sin(a), tube * std::sin(b)});
-      const auto at = [&](std::uint32_t k, std::uint32_t l) { return (k % around) * across + l % across; };
-      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return mesh;
-}
-
 void measure(double spheres, unsigned threads, double void_fraction) {
-  const TriangleMesh ring = torus(0.5, 0.2, 80, 20);
+  const TriangleMesh ring = tandem::test::torus(0.5, 0.2, 80, 20);
   const double volume = mass_of_mesh(ring, 1).mass,
                smallest =
                    std::cbrt((1 - void_fraction) * volume / spheres / 1.54678 * 3 / 4 / std::numbers::pi);

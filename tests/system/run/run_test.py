@@ -203,7 +203,7 @@ class Refusals(Case):
         path.write_text(json.dumps(scene))
         for transport in ["shm", "inproc"]:
             said = self.run_scene(path, "--transport", transport, expect=3)
-            self.assertRegex(said, r"in window 0 \(t = 0 s\): Newton's method did not converge in 1 iterations")
+            self.assertRegex(said, r"did not converge in 1 iterations .*in window 0 \(t = 0 s\)")
             summary = self.summary()
             self.assertEqual((summary["status"], summary["error"]["code"]), ("failed", "numerics"))
             self.assertGreaterEqual(min(summary["time_split"].values()), 0)

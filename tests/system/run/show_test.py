@@ -87,6 +87,8 @@ class Show(Case):
         self.assertRegex(self.say("movie", out, "--size", "321x180", expect=2), "'321x180' is no size of a film .*1280x720")
         self.assertRegex(self.say("movie", out, "--fps", "0", expect=2), "--fps")
         self.assertRegex(self.say("movie", out, "--colour-by", "mood", expect=2), "spheres have no 'mood' .*speed, radius, spin")
+        self.assertRegex(self.say("movie", out, "-o", "box.json", expect=2), "'box.json' is no name for a film .*[.]mp4")
+        self.assertRegex(self.say("movie", out, "--scene", harness.SCENES / "pendulum.json", expect=2), "the run is of the scene '.*', and this is 'pendulum'")
         only_povray = self.folder / "bin"
         only_povray.mkdir()
         (only_povray / "povray").symlink_to("/usr/bin/povray")

@@ -62,6 +62,7 @@ class SummaryKeys(Case):
             key = re.sub(r"^border\.[^.]+", "border.BODY", key)
             key = re.sub(r"^belts\.[^.]+", "belts.WALL", key)
             key = re.sub(r"^elements\..+\.", "elements.COLUMN.", key)
+            key = re.sub(r"^sensors\..+\.", "sensors.SENSED.", key)
             key = re.sub(r"^inlets\.[^.]+", "inlets.INLET", key)
             key = re.sub(r"^fills\.[^.]+\.void_fraction", "fills.PACKING.void_fraction", key)
             key = re.sub(r"^fills\.[^.]+\.(spheres|mass_kg)", r"fills.FILL.\1", key)
@@ -79,6 +80,7 @@ class SummaryKeys(Case):
         box["dem"]["outlets"] = [{"name": "drain",
                                   "region": {"type": "box", "min": [-1, -1, -1], "max": [1, 1, -0.9]}}]
         box["dem"]["walls"][0]["surface_velocity"] = [0.1, 0, 0]
+        box["dem"]["sensors"] = [{"name": "inside", "body": "box", "flow": "z", "shape": {"type": "box", "size": [0.2, 0.2, 0.2]}}]
         self.look_at(box, "--end-time", "0.03", "--checkpoint-every", "1", out="first")
         self.look_at(box, "--end-time", "0.05", "--restart", self.folder / "first", out="second")
         self.look_at(SCENES / "pendulum.json", out="pendulum")

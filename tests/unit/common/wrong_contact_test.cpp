@@ -64,15 +64,15 @@ const WrongScene wrong_contacts[] = {
      "mbd.bodies[3].shapes[0].shape.segments: contact is that of the round capsule (leave out segments)"},
     {"UnknownBodyToIgnore", CONTACT(HARD, R"(, "ignore": [["bird", "crat"]])", BALL),
      "mbd.contact.ignore[0]: unknown name 'crat' (did you mean 'crate'?)"},
-    {"PairThatIsNotComputed",
-     CONTACT(
-         HARD,
-         R"(, "ground": [{"name": "post", "material": "hard", "shape": {"type": "capsule", "radius": 1, "height": 1}}])",
-         R"("material": "hard", "shape": {"type": "box", "size": [1, 1, 1]})"),
-     "mbd.bodies[3].shapes[0].shape: the contact of the box 'a' of 'bird' with the capsule 'post' of "
-     "'ground' "
-     "is not computed in this version (add their bodies to mbd.contact.ignore, or use spheres: a sphere "
-     "touches planes, spheres, capsules and boxes, and a plane touches all but planes)"},
+    {"ABodyAndItselfToIgnore", CONTACT(HARD, R"(, "ignore": [["bird", "bird"]])", BALL),
+     "mbd.contact.ignore[0]: both names are 'bird' (give two bodies that may pass through each other)"},
+    {"TwoPlanes",
+     CONTACT(HARD, R"(, "ground": [)" FLOOR("hard") "]",
+             R"("material": "hard", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]})"),
+     "mbd.bodies[3].shapes[0].shape: the contact of the plane 'a' of 'bird' with the plane 'floor' of "
+     "'ground' is not computed in this version (add their bodies to mbd.contact.ignore: planes of two bodies "
+     "do "
+     "not touch)"},
     {"ExplicitMethod", R"([{"op": "add", "path": "/mbd/contact", "value": {"materials": [)" HARD R"(]}},
          {"op": "replace", "path": "/mbd/integrator", "value": {"method": "dormand_prince"}}])",
      "mbd.integrator.method: 'dormand_prince' does not compute the contacts of mbd.contact (leave out "

@@ -325,8 +325,14 @@ const WrongScene wrong_dem[] = {
      "are lost: enlarge dem.domain or move the fill)"},
     {"SensorNamedLikeABody",
      R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "crate", "shape": {"type": "box", "size": [1, 1, 1]}}]}])",
-     "dem.sensors[0].name: a body, joint or element is called 'crate' as well, so that columns would be "
+     "dem.sensors[0].name: a body, joint, element or part of the results is called 'crate' as well, so that "
+     "columns would be "
      "mixed up (give the sensor another name, such as 'crate_content')"},
+    {"SensorNamedLikeTheSummary",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "summary", "shape": {"type": "box", "size": [1, 1, 1]}}]}])",
+     "dem.sensors[0].name: a body, joint, element or part of the results is called 'summary' as well, so "
+     "that "
+     "columns would be mixed up (give the sensor another name, such as 'summary_content')"},
     {"SensorOfACylinderAcrossIt",
      R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "shape": {"type": "cylinder", "radius": 1, "height": 1}, "flow": "x"}]}])",
      "dem.sensors[0].flow: a cylinder has different lengths along x and y, so that no flow follows (measure "

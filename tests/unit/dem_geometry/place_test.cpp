@@ -1,5 +1,6 @@
 // Packings: independent checks of overlaps, of the inside of containers and of mass.
 #include "dem_server/io/place.hpp"
+#include "tests/support/torus.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,21 +18,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-// A ring about the z axis; its inside has a hole.
-TriangleMesh torus(double ring, double tube, std::uint32_t around, std::uint32_t across) {
-  TriangleMesh mesh;
-  for (std::uint32_t i = 0; i < around; ++i)
-    for (std::uint32_t j = 0; j < across; ++j) {
-      const double a = 2 * std::numbers::pi * i / around, b = 2 * std::numbers::pi * j / across,
-                   rho = ring + tube * std::cos(b);
-      mesh.vertices.push_back({rho * std::cos(a), rho * std::sin(a), tube * std::sin(b)});
-      const auto at = [&](std::uint32_t k, std::uint32_t l) { return (k % around) * across + l % across; };
-      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return mesh;
-}
 
 scene::Scene scene_with(const scene::PackingFill& fill, double radius,
                         const std::vector<scene::Wall>& walls) {
@@ -96,7 +82,7 @@ std::string refusal(const scene::Scene& scene, const std::vector<NamedMesh>& mes
 }
 
 TEST(Place, RingIsFilledWithoutOverlapsAndNotItsHole) {
-  const TriangleMesh ring = torus(0.2, 0.08, 40, 20);
+  const TriangleMesh ring = tandem::test::torus(0.2, 0.08, 40, 20);
   scene::PackingFill fill = inside("mesh");
   fill.void_fraction = 0.5;
   const scene::Scene scene = scene_with(fill, 0.01, {wall("mesh", scene::MeshShape{"ring.stl"})});
@@ -130,7 +116,7 @@ TEST(Place, MassIsMetWithinHalfASphereAndFilledFromTheBottom) {
 
 // The same scene, rotated and translated together with gravity.
 TEST(Place, RotationOfTheWholeSceneRotatesThePacking) {
-  const TriangleMesh ring = torus(0.2, 0.08, 40, 20);
+  const TriangleMesh ring = tandem::test::torus(0.2, 0.08, 40, 20);
   scene::PackingFill fill = inside("mesh");
   fill.count = 300;
   scene::Scene scene = scene_with(fill, 0.01, {wall("mesh", scene::MeshShape{"ring.stl"})});

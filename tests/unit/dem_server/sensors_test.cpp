@@ -194,6 +194,24 @@ TEST(Sensors, HaveTheSameBitsWithThreadsAndAfterEachWayBack) {
   }
 }
 
+TEST(Sensors, SayWhereSpheresPassThemUnseen) {
+  const auto warnings = [](double length) {
+    const json sensor = {{"name", "gate"},
+                         {"position", {0.6, 0.05, 0.05}},
+                         {"shape", {{"type", "box"}, {"size", {length, 1, 1}}}},
+                         {"flow", "x"}};
+    Flight run(flying({30, 0, 0}, json::array({sensor})));
+    run.advance(30);
+    auto sentences = run.report()["warnings"].get<std::vector<std::string>>();
+    std::erase_if(sentences, [](const std::string& sentence) { return !sentence.starts_with("sensor"); });
+    return sentences;
+  };
+  EXPECT_THAT(warnings(0.04), testing::IsEmpty());
+  EXPECT_THAT(warnings(0.02),
+              testing::ElementsAre(testing::HasSubstr(
+                  "sensor 'gate' is 0.02 m long along its axis, and spheres moved 0.03 m in one window")));
+}
+
 TEST(Sensors, AreMeasuredAtTheStart) {
   const json sensors = {{{"name", "all"}, {"shape", {{"type", "box"}, {"size", {4, 4, 4}}}}}};
   log::setup("test", "error");

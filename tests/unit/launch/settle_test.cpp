@@ -18,7 +18,6 @@ namespace tandem::launch {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -34,7 +33,7 @@ class Settling : public testing::Test {
     fs::create_directories(folder_);
     setenv("TANDEM_CACHE", (folder_ / "cache").c_str(), 1);
     unsetenv("TANDEM_CACHE_MB");
-    scene_ = json::parse(R"({"tandem": "1.1", "name": "bed", "end_time": 0.01,
+    scene_ = nlohmann::json::parse(R"({"tandem": "1.1", "name": "bed", "end_time": 0.01,
       "mbd": {"bodies": [{"name": "tray", "mass": 1, "inertia": [1, 1, 1], "position": [0, 0, -0.04]}],
               "joints": [{"name": "slide", "type": "prismatic", "child": "tray", "axis": [1, 0, 0],
                           "position": [0, 0, 0], "damping": 1}]},
@@ -73,7 +72,7 @@ class Settling : public testing::Test {
   }
 
   fs::path folder_;
-  json scene_;
+  nlohmann::json scene_;
 };
 
 TEST_F(Settling, SpheresComeToRestAndTheSecondStartHasTheSameBits) {
@@ -132,32 +131,34 @@ TEST_F(Settling, DamagedBedIsNamedAndMadeAnew) {
 }
 
 TEST_F(Settling, BedIsMadeAnewOnlyForWhatItFollowsFrom) {
-  const auto changed = [&](const std::function<void(json&)>& change) {
-    const json given = scene_;
+  const auto changed = [&](const std::function<void(nlohmann::json&)>& change) {
+    const nlohmann::json given = scene_;
     change(scene_);
     const bool is_anew = !read().settled->from_cache;
     scene_ = given;
     return is_anew;
   };
   read();
-  EXPECT_FALSE(changed([](json& scene) { scene["end_time"] = 0.02; }));
-  EXPECT_FALSE(changed([](json& scene) { scene["mbd"]["joints"][0]["damping"] = 2; }));
-  EXPECT_FALSE(changed([](json& scene) { scene["mbd"]["bodies"][0]["mass"] = 2; }));
-  EXPECT_FALSE(changed([](json& scene) { scene["output"]["frame_interval"] = 0.01; }));
-  EXPECT_FALSE(changed([](json& scene) {
-    scene["dem"]["outlets"] = json::parse(
+  EXPECT_FALSE(changed([](nlohmann::json& scene) { scene["end_time"] = 0.02; }));
+  EXPECT_FALSE(changed([](nlohmann::json& scene) { scene["mbd"]["joints"][0]["damping"] = 2; }));
+  EXPECT_FALSE(changed([](nlohmann::json& scene) { scene["mbd"]["bodies"][0]["mass"] = 2; }));
+  EXPECT_FALSE(changed([](nlohmann::json& scene) { scene["output"]["frame_interval"] = 0.01; }));
+  EXPECT_FALSE(changed([](nlohmann::json& scene) {
+    scene["dem"]["outlets"] = nlohmann::json::parse(
         R"([{"name": "far", "region": {"type": "box", "min": [0.1, 0.1, 0.1], "max": [0.2, 0.2, 0.2]}}])");
   }));
-  EXPECT_TRUE(changed([](json& scene) { scene["mbd"]["bodies"][0]["position"][2] = -0.041; }));
-  EXPECT_TRUE(changed([](json& scene) { scene["dem"]["materials"][0]["friction"] = 0.4; }));
-  EXPECT_TRUE(changed([](json& scene) { scene["dem"]["particles"][0]["fill"]["seed"] = 2; }));
-  EXPECT_TRUE(changed([](json& scene) { scene["dem"]["settle"]["kinetic_energy"] = 2e-3 * fall; }));
+  EXPECT_TRUE(changed([](nlohmann::json& scene) { scene["mbd"]["bodies"][0]["position"][2] = -0.041; }));
+  EXPECT_TRUE(changed([](nlohmann::json& scene) { scene["dem"]["materials"][0]["friction"] = 0.4; }));
+  EXPECT_TRUE(changed([](nlohmann::json& scene) { scene["dem"]["particles"][0]["fill"]["seed"] = 2; }));
+  EXPECT_TRUE(changed([](nlohmann::json& scene) { scene["dem"]["settle"]["kinetic_energy"] = 2e-3 * fall; }));
 }
 
 TEST_F(Settling, GroupsOfAllFillsSettleAndKeepTheirNames) {
-  scene_["dem"]["particles"].push_back(json::parse(R"({"name": "more", "material": "glass", "radius": 0.005,
+  scene_["dem"]["particles"].push_back(
+      nlohmann::json::parse(R"({"name": "more", "material": "glass", "radius": 0.005,
     "fill": {"type": "lattice", "min": [-0.03, -0.03, 0.03], "max": [0.03, 0.03, 0.05], "spacing": 0.012}})"));
-  scene_["dem"]["particles"].push_back(json::parse(R"({"name": "rain", "material": "glass", "radius": 0.005,
+  scene_["dem"]["particles"].push_back(
+      nlohmann::json::parse(R"({"name": "rain", "material": "glass", "radius": 0.005,
     "fill": {"type": "inlet", "min": [-0.03, -0.03, 0.1], "max": [0.03, 0.03, 0.12], "rate": 1000}})"));
   const SceneFile file = read();
   ASSERT_EQ(file.placed.size(), 2u);

@@ -264,37 +264,46 @@ TEST(IterationMatrix, OfContactsIsTheDerivative) {
   const scene::CapsuleShape rod{.3, 1, {}};
   const scene::PlaneShape plane{{0, 0, 0}, {0, .6, .8}};
   const scene::HullShape hull{{{0, 0, -.5}, {.4, .1, .3}, {-.4, .2, .3}, {0, -.4, .4}}, {}, 1};
-  for (const Touching& t : {Touching{"sphere on plane", ball, plane, {.1, .2, .35}},
-                            Touching{"the same, Hertz", ball, plane, {.1, .2, .35}, true},
-                            Touching{"box on plane", box, plane, {.1, .2, .3}},
-                            Touching{"hull on plane", hull, plane, {.1, .2, .2}},
-                            Touching{"capsule on plane", rod, plane, {.1, .2, .3}},
-                            Touching{"sphere on sphere", ball, ball, {.1, .5, .75}},
-                            Touching{"the same, Hertz", ball, ball, {.1, .5, .75}, true},
-                            Touching{"sphere on a capsule's side", ball, rod, {.3, .6, .1}},
-                            Touching{"sphere on a capsule's end", ball, rod, {.2, .2, 1.1}},
-                            Touching{"sphere on a box's face", ball, box, {.1, .2, .8}},
-                            Touching{"sphere on a box's edge", ball, box, {.7, .8, .1}},
-                            Touching{"sphere on a box's corner", ball, box, {.7, .75, .6}},
-                            Touching{"sphere inside a box", ball, box, {.1, .2, .3}}})
+  for (const Touching& t :
+       {Touching{"sphere on plane", ball, plane, {.1, .2, .35}},
+        Touching{"the same, Hertz", ball, plane, {.1, .2, .35}, true},
+        Touching{"box on plane", box, plane, {.1, .2, .3}},
+        Touching{"hull on plane", hull, plane, {.1, .2, .2}},
+        Touching{"capsule on plane", rod, plane, {.1, .2, .3}},
+        Touching{"sphere on sphere", ball, ball, {.1, .5, .75}},
+        Touching{"the same, Hertz", ball, ball, {.1, .5, .75}, true},
+        Touching{"sphere on a capsule's side", ball, rod, {.3, .6, .1}},
+        Touching{"sphere on a capsule's end", ball, rod, {.2, .2, 1.1}},
+        Touching{"sphere on a box's face", ball, box, {.1, .2, .8}},
+        Touching{"sphere on a box's edge", ball, box, {.7, .8, .1}},
+        Touching{"sphere on a box's corner", ball, box, {.7, .75, .6}},
+        Touching{"sphere inside a box", ball, box, {.1, .2, .3}},
+        Touching{"box on box", box, box, {.1, .2, .75}}, Touching{"hull on box", hull, box, {.1, .2, .8}},
+        Touching{"capsules along", rod, rod, {.5, .1, .3}},
+        Touching{"capsule on box", rod, box, {.7, .2, .3}},
+        Touching{"sphere on hull", ball, hull, {.1, .1, .75}}})
     for (const double friction : {0., .02, 50.}) {
       Differences d(touching(t.a, t.b, t.apart, t.hertz, friction));
       d.scatter(0);
       const State start = initial_state(d.model, d.scene);
       d.state.q = start.q;
       d.system.move(start.q, d.any(d.model.freedoms, .02), d.state.q);
-      d.state.contacts.setZero(ContactRow::count, d.model.contact_points);
-      for (int k = 0; k < d.model.contact_points; ++k) {
-        auto column = d.state.contacts.col(k);
+      d.system.residual(d.state);
+      std::vector<ContactFeature> features;
+      find_features(d.model, 0, 1, d.system.links(), .2, -1, features);
+      d.state.contacts.setZero(ContactRow::count, std::ssize(features));
+      for (Eigen::Index k = 0; k < std::ssize(features); ++k) {
+        ContactColumn column = ContactColumn::Zero();
+        set_feature(features[static_cast<std::size_t>(k)], column);
         column[ContactRow::mass] = .5, column[ContactRow::entry_rate] = 3;
         column[ContactRow::stiffness] = 60, column[ContactRow::damping] = 2;
         column.segment<3>(ContactRow::on_a) = d.any(3, .1),
         column.segment<3>(ContactRow::on_b) = d.any(3, .3);
+        d.state.contacts.col(k) = column;
       }
-      d.system.residual(d.state);
       bool any = false;
-      for (int k = 0; k < d.model.contact_points; ++k) {
-        const ContactForce f = evaluate(d.model, d.model.contact_pairs[0], k, d.state, d.system.links());
+      for (Eigen::Index k = 0; k < d.state.contacts.cols(); ++k) {
+        const ContactForce f = evaluate(d.model, d.state.contacts.col(k), d.system.links());
         any |= f.normal > 0 && f.slides == (friction > 0 && friction < 1);
       }
       EXPECT_TRUE(any) << t.what;
