@@ -73,12 +73,8 @@ const std::vector<double>& Sensors::measure(Engine& engine, std::span<const Body
     const RegionSums& sum = sums[k];
     for (const double value :
          {static_cast<double>(sum.count), sum.mass, sum.volume, sum.volume / scene::volume_of(sensor),
-<<<<<<< HEAD
-          sum.momentum.x, sum.momentum.y, sum.momentum.z, sum.kinetic_energy})
-=======
           sum.moment.x, sum.moment.y, sum.moment.z, sum.momentum.x, sum.momentum.y, sum.momentum.z,
           sum.kinetic_energy})
->>>>>>> main
       values_.push_back(value);
     if (!sensor.flow_axis) continue;
     const double flow = sum.flow_momentum / scene::flow_length(sensor);

@@ -20,7 +20,6 @@ const SceneSpheres::Group& SceneSpheres::group_of(std::uint32_t id) const {
   return *std::ranges::upper_bound(groups, id, {}, &Group::end);
 }
 
-<<<<<<< HEAD
 std::vector<std::uint32_t> SceneSpheres::group_by_id() const {
   std::vector<std::uint32_t> of_sphere;
   of_sphere.reserve(in_all);
@@ -28,11 +27,7 @@ std::vector<std::uint32_t> SceneSpheres::group_by_id() const {
   return of_sphere;
 }
 
-SceneSpheres spheres_of(const SceneFile& file) {
-  const scene::Dem& of_scene = file.scene.dem.value();
-=======
 std::vector<dem::NamedParticles> particles_in(const SceneFile& file) {
->>>>>>> main
   std::vector<dem::NamedParticles> read;
   for (const protocol::NamedText& text : file.files)
     read.push_back({text.name, scene::read_particle_file(text.text, text.name)});
