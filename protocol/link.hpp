@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "protocol/channel.hpp"
 #include "protocol/codec.hpp"
@@ -28,6 +29,12 @@ class Link {
     const Clock::time_point begin = Clock::now();
     encode(out_, value);
     send_payload(kind, begin, deadline);
+  }
+
+  // The same for a payload that was encoded before; its memory is exchanged.
+  void send_encoded(Kind kind, Bytes& payload, Deadline deadline) {
+    std::swap(out_, payload);
+    send_payload(kind, Clock::now(), deadline);
   }
 
   // Waits for the next message. `awaited` describes it for a time-out error: "the answer to advance_dem". A

@@ -43,6 +43,7 @@ enum Capability : std::uint64_t {
   can_observe_elements = 1u << 8,   // mbd: its bodies frames have the elements; since 1.4
   can_measure = 1u << 9,            // dem: its loads have the values of the sensors; since 1.4
   can_observe_contacts = 1u << 10,  // dem: its particles frames have the contacts of spheres; since 1.4
+  can_snapshot = 1u << 11,          // dem: keeps a particles frame for later; since 1.4
 };
 
 struct Hello {

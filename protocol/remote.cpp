@@ -195,16 +195,26 @@ const ParticlesFrame& Remote::observe_particles(Nanoseconds now) {
   return state_->particles_frame;
 }
 
-void Remote::observe_particles(Nanoseconds now, ParticlesFrame& into) {
+void Remote::observe_particles(Nanoseconds time, ParticlesFrame& into) {
   State& s = *state_;
-  s.link.vouch(Kind::observe, [&] { s.link.progress().expect_now(now); });
-  s.send(Kind::observe, now);
+  s.link.vouch(Kind::observe, [&] { s.link.progress().use_snapshot(time); });
+  s.send(Kind::observe, time);
   s.answer();
   s.link.read(into);
   s.link.check([&] {
-    s.link.progress().expect_now(into.time);
+    if (into.time != time)
+      throw ProtocolError(Violation::wrong_time, "time is " + std::to_string(into.time.count) +
+                                                     " ns, asked was " + std::to_string(time.count) + " ns");
     check_values(into);
   });
+}
+
+void Remote::snapshot(Nanoseconds now) {
+  State& s = *state_;
+  s.link.vouch(Kind::snapshot, [&] { s.link.progress().expect_now(now); });
+  s.send(Kind::snapshot, now);
+  s.answer_nothing();
+  s.link.progress().take_snapshot();
 }
 
 void Remote::save() {

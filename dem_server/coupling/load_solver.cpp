@@ -269,18 +269,38 @@ std::vector<float> Solver::contacts_of_spheres() {
   return values;
 }
 
+namespace {
+
+// Fills the arrays of `frame`, in their memory.
+void fill_spheres(protocol::ParticlesFrame& frame, const auto& download) {
+  SphereFrame spheres{std::move(frame.id), std::move(frame.position), std::move(frame.velocity),
+                      std::move(frame.spin), std::move(frame.radius)};
+  download(spheres);
+  frame.id = std::move(spheres.id);
+  frame.position = std::move(spheres.position);
+  frame.velocity = std::move(spheres.velocity);
+  frame.spin = std::move(spheres.spin);
+  frame.radius = std::move(spheres.radius);
+}
+
+}  // namespace
+
 const protocol::ParticlesFrame& Solver::observe() {
-  SphereFrame spheres{std::move(frame_.id), std::move(frame_.position), std::move(frame_.velocity),
-                      std::move(frame_.spin), std::move(frame_.radius)};
-  engine_->download(spheres);
-  frame_ = {memory_.now,
-            std::move(spheres.id),
-            std::move(spheres.position),
-            std::move(spheres.velocity),
-            std::move(spheres.spin),
-            std::move(spheres.radius)};
+  fill_spheres(frame_, [&](SphereFrame& spheres) { engine_->download(spheres); });
+  frame_.time = memory_.now;
   if (scene_.output.needs_contacts()) frame_.contacts = contacts_of_spheres();
   return frame_;
+}
+
+void Solver::snapshot() {
+  engine_->snapshot();
+  snapshot_.time = memory_.now;
+  if (scene_.output.needs_contacts()) snapshot_.contacts = contacts_of_spheres();
+}
+
+const protocol::ParticlesFrame& Solver::read_snapshot() {
+  fill_spheres(snapshot_, [&](SphereFrame& spheres) { engine_->read_snapshot(spheres); });
+  return snapshot_;
 }
 
 void Solver::save() {

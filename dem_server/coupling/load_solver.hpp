@@ -24,6 +24,8 @@ class Solver final : public protocol::LoadSolver {
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
   const protocol::TangentSet& linearise() override;
   const protocol::ParticlesFrame& observe() override;
+  void snapshot() override;
+  const protocol::ParticlesFrame& read_snapshot() override;
   void save() override;
   void restore() override;
   void checkpoint(const protocol::Checkpoint& file) override;
@@ -31,7 +33,7 @@ class Solver final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint |
-           protocol::can_measure | protocol::can_observe_contacts;
+           protocol::can_measure | protocol::can_observe_contacts | protocol::can_snapshot;
   }
 
  private:
@@ -110,7 +112,7 @@ class Solver final : public protocol::LoadSolver {
   std::vector<BodyPose> poses_;  // of bodies_, between two windows
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
-  protocol::ParticlesFrame frame_;
+  protocol::ParticlesFrame frame_, snapshot_;
 };
 
 }  // namespace tandem::dem

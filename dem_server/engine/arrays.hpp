@@ -63,6 +63,31 @@ struct SphereBuffers {
   }
 };
 
+// One side of the above, kept for a frame that is read while the spheres move on.
+template <class Exec, class Real>
+struct SnapshotBuffers {
+  typename Exec::template Buffer<PositionRadius<Real>> position;
+  typename Exec::template Buffer<VelocityKind<Real>> velocity;
+  typename Exec::template Buffer<Spin<Real>> spin;
+  typename Exec::template Buffer<FinePart<Real>> fine;
+  typename Exec::template Buffer<std::uint32_t> id;
+
+  // Calls f(array, copy of it) for each array.
+  template <class F>
+  void for_each(SphereBuffers<Exec, Real>& now, std::uint32_t side, const Needs& needs, F f) {
+    f(now.position[side], position), f(now.velocity[side], velocity);
+    if constexpr (has_fine_part<Real>) f(now.fine, fine);
+    if (needs.tangential)
+      f(now.spin[side], spin);
+    else
+      f(now.id, id);
+  }
+  template <class F>
+  void for_each(F f) const {
+    f(position), f(velocity), f(spin), f(fine), f(id);
+  }
+};
+
 template <class Exec, class Real>
 struct ListBuffers {
   template <class T>

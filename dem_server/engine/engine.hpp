@@ -176,6 +176,10 @@ class Engine {
   virtual void download(Spheres& spheres) = 0;
   // The same in the form of a frame, in which they are sent.
   virtual void download(SphereFrame& frame) = 0;
+  // Keeps those that download() would return now. read_snapshot() returns them and may be called by another
+  // thread during advance().
+  virtual void snapshot() = 0;
+  virtual void read_snapshot(SphereFrame& frame) = 0;
   // The contacts of the same spheres, with the forces of the micro step that comes next. The state stays as
   // it is.
   virtual void download(const ContactsRequest& request, ContactsFrame& frame) = 0;

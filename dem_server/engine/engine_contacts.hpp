@@ -25,7 +25,7 @@ void EngineOf<Exec, Law, Real>::download(const ContactsRequest& request, Contact
   exec_.download(fields.of_sphere, std::span<SphereContacts>(of_index));
   const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
   fetch_arrays(side, side);
-  sort_present(fetched_.position);
+  fetched_.sort_present(fetched_.position, radius_.size());
   frame.count.clear(), frame.mean_stress.clear();
   for (const std::uint32_t i : fetched_.index) {
     frame.count.push_back(of_index[i].count);

@@ -35,6 +35,7 @@ struct EngineMemory {
   Buffer<WallForce<Real>> wall_force;
   TangentBuffers<Exec> tangents;
   ContactFieldBuffers<Exec, Real> contact_fields;  // empty unless frames have them
+  SnapshotBuffers<Exec, Real> snapshot;            // empty unless frames have the spheres
   WindowBuffers<Exec> window;
   SurfaceBuffers<Exec> surface;
   Buffer<PairExtras<Real>> extras;
@@ -71,6 +72,9 @@ struct EngineMemory {
     grow_carried(contacts);
     window.grow(setup.steps, bodies, belts);
     if (has_contact_fields) contact_fields.pose.resize(bodies);
+    // Later it grows with the next snapshot only, because another thread may be reading it.
+    if (setup.scene.output.particles)
+      snapshot.for_each(now.spheres, 0, needs, [](const auto& from, auto& to) { to.resize(from.size()); });
     if (has_bodies()) {
       tangents.of_run.resize(std::size_t{tangent_runs} * bodies);
       tangents.sum.resize(bodies);
@@ -182,6 +186,7 @@ struct EngineMemory {
     close.for_each(add);
     tangents.for_each(add);
     contact_fields.for_each(add);
+    snapshot.for_each(add);
     window.for_each(add);
     surface.for_each(add);
     add(wall_force);

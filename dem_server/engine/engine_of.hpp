@@ -52,6 +52,8 @@ class EngineOf final : public Engine {
   double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
   void download(SphereFrame& frame) override;
+  void snapshot() override;
+  void read_snapshot(SphereFrame& frame) override;
   void download(const ContactsRequest& request, ContactsFrame& frame) override;
   std::size_t memory_bytes() const override { return memory_.bytes(); }
   std::uint32_t regions() const override { return exec_.regions(); }
@@ -87,8 +89,26 @@ class EngineOf final : public Engine {
   void find_tangents(std::span<const BodyPose> poses);
   void adapt_to_state();
   void fetch_spheres(std::uint32_t side, double back, Spheres& out);
+  // Kept from frame to frame: allocating it anew would take as long as all other work of a frame.
+  struct Fetched {
+    std::vector<PositionRadius<Real>> position;
+    std::vector<VelocityKind<Real>> velocity;
+    std::vector<Spin<Real>> spin;
+    std::vector<FinePart<Real>> fine;
+    std::vector<std::uint32_t> id;
+    std::vector<std::uint32_t> index;  // of the spheres present, in order of id
+
+    void resize(std::size_t n) {
+      position.resize(n), velocity.resize(n), spin.resize(n), fine.resize(n), id.resize(n);
+    }
+    void take_ids_of_spins() {
+      for (std::size_t i = 0; i < id.size(); ++i) id[i] = spin[i].id;
+    }
+    // `positions`: those that say who is there; `ids`: number of all.
+    void sort_present(const std::vector<PositionRadius<Real>>& positions, std::size_t ids);
+  };
   void fetch_arrays(std::uint32_t side, std::uint32_t spin_side);
-  void sort_present(const std::vector<PositionRadius<Real>>& positions);
+  void fill_frame(const Fetched& from, const Parameters<Real>& parameters, SphereFrame& frame) const;
   [[noreturn]] void fail(const WindowProgress& window);
 
   Exec exec_;
@@ -110,15 +130,11 @@ class EngineOf final : public Engine {
     bool requested = false;       // advance() computes the tangents of the next window
     bool rolled_back = false;     // since the last request
   } tangents_;
-  // Kept from frame to frame: allocating it anew would take as long as all other work of a frame.
+  Fetched fetched_;
   struct {
-    std::vector<PositionRadius<Real>> position;
-    std::vector<VelocityKind<Real>> velocity;
-    std::vector<Spin<Real>> spin;
-    std::vector<FinePart<Real>> fine;
-    std::vector<std::uint32_t> id;
-    std::vector<std::uint32_t> index;  // of the spheres present, in order of id
-  } fetched_;
+    Fetched fetched;
+    Parameters<Real> parameters;  // the domain may have moved on since
+  } snapshot_;
   struct {
     Buffer<std::int64_t> totals;  // (regions x region_total_count)
     std::vector<std::int64_t> fixed;

@@ -129,6 +129,8 @@ std::string in_words(protocol::Capability capability) {
       return "measures of the spheres in a region (sensors)";
     case protocol::can_observe_contacts:
       return "the contacts of the spheres in frames";
+    case protocol::can_snapshot:
+      return "frames that are prepared during the next window (snapshot)";
   }
   return "an unknown capability";
 }

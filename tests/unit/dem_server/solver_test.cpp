@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -98,6 +99,24 @@ TEST(Solver, ObservesContactsWhereTheSceneAsksForThem) {
   EXPECT_NE(solver->capabilities() & protocol::can_observe_contacts, 0u);
   OneSolver without(two);
   EXPECT_TRUE(without.solver->observe().contacts.empty());
+}
+
+TEST(Solver, ASnapshotIsTheFrameOfItsTimeAndIsReadWhileTheSolverAdvances) {
+  OneSolver one({.options = "", .lines = "0,0,0.05,0,0,0\n0.1,0,0.1,0,0,0\n"});
+  one.advance(1);
+  const protocol::ParticlesFrame then = one.solver->observe();
+  one.solver->snapshot();
+  const protocol::ParticlesFrame* kept = nullptr;
+  std::jthread reader([&] { kept = &one.solver->read_snapshot(); });
+  one.advance(3);
+  reader.join();
+  EXPECT_EQ(kept->time, then.time);
+  EXPECT_EQ(kept->id, then.id);
+  EXPECT_EQ(kept->position, then.position);
+  EXPECT_EQ(kept->velocity, then.velocity);
+  EXPECT_EQ(kept->spin, then.spin);
+  EXPECT_EQ(kept->radius, then.radius);
+  EXPECT_NE(one.solver->observe().position, then.position);
 }
 
 TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
