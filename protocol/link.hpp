@@ -71,6 +71,9 @@ class Link {
     check(f);
   }
 
+  // The present message, its window and its sender, as in errors.
+  std::string place() const;
+
   // Sets the values that the partners of the session agree on in welcome.
   void adopt(RunIdentity identity, Version version);
   // Header of the frame received last.

@@ -196,6 +196,10 @@ const ParticlesFrame& Remote::observe_particles(Nanoseconds now) {
 }
 
 void Remote::observe_particles(Nanoseconds time, ParticlesFrame& into) {
+  receive_particles(time, into)(into);
+}
+
+Remote::ParticlesCheck Remote::receive_particles(Nanoseconds time, ParticlesFrame& into) {
   State& s = *state_;
   s.link.vouch(Kind::observe, [&] { s.link.progress().use_snapshot(time); });
   s.send(Kind::observe, time);
@@ -205,8 +209,14 @@ void Remote::observe_particles(Nanoseconds time, ParticlesFrame& into) {
     if (into.time != time)
       throw ProtocolError(Violation::wrong_time, "time is " + std::to_string(into.time.count) +
                                                      " ns, asked was " + std::to_string(time.count) + " ns");
-    check_values(into);
   });
+  return [where = s.link.place()](const ParticlesFrame& frame) {
+    try {
+      check_values(frame);
+    } catch (const ProtocolError& e) {
+      throw ProtocolError(e.violation(), e.problem(), where, e.hint());
+    }
+  };
 }
 
 void Remote::snapshot(Nanoseconds now) {

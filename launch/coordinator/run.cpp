@@ -398,8 +398,12 @@ void Run::fetch_frame() {
   folder_.expect_there();
   const auto [time, bodies, check] = *std::exchange(begun_frame_, {});
   protocol::ParticlesFrame& frame = results_.particles_to_write();
-  solvers_.dem->observe_particles(time, frame);
-  results_.write_frame(time, bodies ? &*bodies : nullptr, &frame, check);
+  results_.write_frame(time, bodies ? &*bodies : nullptr, &frame,
+                       [check, of_values = solvers_.dem->receive_particles(time, frame)](
+                           const protocol::ParticlesFrame& spheres) {
+                         of_values(spheres);
+                         check(spheres);
+                       });
   stopwatch_.end_output(solvers_);
 }
 
