@@ -207,6 +207,8 @@ struct PairForces {
     r = result_of(c, f, r.spring);
     moment = rolling_moment(view, c, f, extension, m.k.friction, m.w - m.other_w,
                             list.rolling == nullptr ? nullptr : list.rolling + k, existed);
+    if (view.dissipation.any())
+      add_dissipation(view.dissipation, i, view.dissipation.of_pair, c, f, moment, m.w - m.other_w);
     return true;
   }
 };

@@ -31,7 +31,7 @@ class Solver final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint |
-           protocol::can_measure | protocol::can_observe_contacts;
+           protocol::can_measure | protocol::can_observe_contacts | protocol::can_observe_walls;
   }
 
  private:
@@ -84,6 +84,7 @@ class Solver final : public protocol::LoadSolver {
   // Sets poses_ to those at the end of the last window, or of the scene before the first one.
   void set_last_poses();
   std::vector<float> contacts_of_spheres();
+  std::vector<double> contacts_of_bodies();
   void record_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t body, double length, const WindowOutcome& outcome) const;
 

@@ -1,0 +1,69 @@
+// Energy that contacts dissipate, summed over a window from the forces of the dampers, of friction and of
+// rolling themselves, not from what is missing in other energies. The sums are integers, so that they have
+// the same bits for every number of threads and back end.
+//
+// Only the generic variant has them: the branch would make the micro steps of the others longer.
+#pragma once
+
+#include <cstdint>
+
+#include "dem_server/base/fixed_point.hpp"
+#include "dem_server/laws/contact.hpp"
+
+namespace tandem::dem {
+
+enum Dissipation : std::uint32_t {
+  by_normal_damping,
+  by_friction,  // all work of tangential forces, with the little that their springs store
+  by_rolling,   // of rolling and twisting, likewise
+  dissipation_count,
+};
+// Sums are spread over so many slots, so that threads seldom meet.
+inline constexpr std::uint32_t dissipation_slots = 256;
+
+struct DissipationView {
+  std::int64_t* sum = nullptr;  // in quanta (dissipation_slots x dissipation_count); null: nothing is summed
+  Quantum energy;               // [J]
+  std::int64_t of_pair = 1;     // weight of half of a pair's energy: 2 where a pair is evaluated once
+
+  TANDEM_HD bool any() const { return sum != nullptr; }
+};
+
+// Adds the energy of one contact in one micro step, `weight` times the half of it. The velocities of a
+// contact are those half a step ago; the step changes those of its partners by its own force, by 1/m* along
+// the normal and 7/2 of that across, where spheres begin to rotate as well. The mean over the step makes the
+// sum second order in dt for single impacts. `moment` is that of rolling and twisting on i, `rate` the
+// relative rotation.
+template <class Real>
+TANDEM_HD void add_dissipation(const DissipationView& view, std::uint32_t sphere, std::int64_t weight,
+                               const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> moment,
+                               Vec3<Real> rate) {
+  const double dt = static_cast<double>(c.dt), half_step = 0.5 * dt / static_cast<double>(c.m_eff);
+  const double normal = static_cast<double>(f.normal),
+               damping = normal - static_cast<double>(f.elastic_force);
+  const Vec3d tangential = f.tangential.template as<double>();
+  const double speed = static_cast<double>(c.normal_speed) + half_step * normal;
+  const Vec3d slip = c.slip.template as<double>() + (3.5 * half_step) * tangential;
+  const double energy[dissipation_count] = {
+      -dt * damping * speed, -dt * dot(tangential, slip),
+      -dt * dot(moment.template as<double>(), rate.template as<double>())};
+  std::int64_t* sum = view.sum + std::size_t{sphere % dissipation_slots} * dissipation_count;
+  for (std::uint32_t k = 0; k < dissipation_count; ++k)
+    if (energy[k] != 0) add_shared(sum + k, weight * to_fixed(0.5 * energy[k], view.energy));
+}
+
+// Adds the sums of a window to those since the start, for entry k of the sums.
+struct CloseDissipation {
+  const std::int64_t* window;
+  double* since_start;  // [J]
+  Quantum energy;
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    std::int64_t sum = 0;
+    for (std::uint32_t slot = 0; slot < dissipation_slots; ++slot)
+      sum += window[slot * dissipation_count + k];
+    since_start[k] += from_fixed(sum, energy);
+  }
+};
+
+}  // namespace tandem::dem
