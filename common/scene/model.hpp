@@ -617,11 +617,11 @@ struct Outlet {
 // wall. Columns of sensors.csv.
 struct ParticleSensor {
   std::string name;
-  std::string wall = {};  // name of the wall; empty: a region, which all below is of
-  BodyId body = ground;   // with which the region moves
-  Pose pose;              // of the shape's frame in the body's frame (ground: in the world)
+  BodyId body = ground;  // with which the region moves
+  Pose pose;             // of the shape's frame in the body's frame (ground: in the world)
   std::variant<BoxShape, CylinderShape> shape;
   std::optional<std::size_t> flow_axis;  // of the shape's frame: the direction of flow and passed
+  std::string wall = {};                 // name of the wall; empty: a region, which all else is of
 };
 
 // The spheres come to rest before the start, with all walls at rest.

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """`tandem preview` and `tandem movie`: pictures that exist, move and are refused with what is missing."""
+import csv
 import json
 import os
 import subprocess
@@ -80,6 +81,36 @@ class Show(Case):
         self.run_with_frames()
         self.assertEqual(self.summary()["state_hash"], with_fields)
         self.assertRegex(self.say("movie", out, "--colour-by", "group", expect=2), "the frames of this run have no 'group' .*fields")
+
+    def test_fields_of_walls_add_up_to_the_load(self):
+        out = self.run_with_frames(wall_fields=["inside"], contacts=["box"], dissipation=True)
+        summary = self.summary()
+        with_fields = summary["state_hash"]
+        self.assertGreater(summary["dem_dissipated_J"]["normal_damping"], 0)
+        script = "import h5py, json, sys; " \
+                 "frames = [[{name: data[()].tolist() for name, data in frame.items() if hasattr(data, 'shape')} for key, frame in " \
+                 "h5py.File(name).items() if key.startswith('frame')] for name in sys.argv[1:]]; print(json.dumps(frames))"
+        said = subprocess.run(["/usr/bin/python3", "-c", script, out / "bodies.h5", out / "contacts.h5"], capture_output=True, text=True,
+                              check=True).stdout
+        bodies, contacts = json.loads(said)
+        self.assertEqual([len(bodies), len(contacts)], [3, 3])
+        with open(out / "bodies.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 50)
+        for number, frame in enumerate(bodies[1:]):
+            self.assertEqual([len(frame["box.pressure"]), len(frame["box.shear_stress"]), len(frame["box.friction_work"])], [10] * 3)
+            for axis, name in enumerate("xyz"):
+                load = sum(float(row[f"box.contact_force.{name}"]) for row in rows[25 * number:25 * number + 25]) / 25
+                self.assertAlmostEqual(sum(force[axis] for force in frame["box.force"]), load, delta=1e-7 * (1 + abs(load)))
+            self.assertNotIn("box.wear_depth", frame, "the material has no hardness")
+        self.assertEqual(len(contacts[0]["sphere"]), 0, "the spheres start apart")
+        self.assertGreater(len(contacts[2]["sphere"]), 0)
+        self.assertEqual(set(contacts[2]["body"]), {0})
+        self.assertLess(sum(force[2] for force in contacts[2]["force"]), 0)
+        self.assertEqual((out / "bodies.xdmf").read_text().count('Name="pressure" AttributeType="Scalar" Center="Cell"'), 3)
+        self.run_with_frames()
+        self.assertEqual(self.summary()["state_hash"], with_fields)
+        self.assertFalse((out / "contacts.xdmf").exists(), "of the run before")
 
     def test_movie_refuses(self):
         self.assertRegex(self.say("movie", self.folder, expect=2), "holds no run")

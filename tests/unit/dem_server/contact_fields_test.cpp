@@ -139,6 +139,46 @@ TEST_P(ContactFields, ChangeNothing) {
   EXPECT_EQ(dem::state_hash(with.state()), dem::state_hash(without.state()));
 }
 
+// Spheres fall into a box: the contacts of the ground are the load of the next micro step, and say which
+// spheres press where.
+TEST(BodyContacts, AreTheLoadOfTheNextStep) {
+  for (const char* law : {"hertz_mindlin", "hertz_frictionless", "paper", "hooke"}) {
+    nlohmann::json all = nlohmann::json::parse(falling_spheres(law, "", 150));
+    all["output"]["contacts"] = {"ground"};
+    ParticleRun run(all.dump()), without(falling_spheres(law, "", 150));
+    const std::vector<dem::BodyPose> poses{{{}, Quat{}.matrix(), {}, {}}};
+    const std::vector<std::uint8_t> wanted{1}, none{0};
+    EXPECT_TRUE(run.engine->body_contacts({poses, dt}, wanted).empty())
+        << "no sphere touches a wall at the start";
+    for (int w = 0; w < 10; ++w) {
+      run.advance(400, dt);
+      without.advance(400, dt);
+      const std::vector<dem::BodyContact> contacts = run.engine->body_contacts({poses, dt}, wanted);
+      const dem::Spheres s = run.state();
+      Vec3d sum;
+      for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const dem::BodyContact& c = contacts[i];
+        sum += c.force;
+        const std::size_t sphere = c.sphere;  // none has left the domain, so that ids are indices
+        EXPECT_LT(norm(c.point - s.position[sphere]), s.radius[sphere]);
+        EXPECT_GT(norm(c.point - s.position[sphere]), 0.8 * s.radius[sphere]);
+        if (i > 0) EXPECT_LE(contacts[i - 1].sphere, c.sphere);
+      }
+      EXPECT_TRUE(run.engine->body_contacts({poses, dt}, none).empty());
+      const dem::WindowOutcome& next = run.advance(1, dt);
+      without.advance(1, dt);
+      if (w == 9) {
+        std::printf("%s: %zu contacts, sum (%.6g, %.6g, %.6g) N, load (%.6g, %.6g, %.6g) N\n", law,
+                    contacts.size(), sum.x, sum.y, sum.z, next.load[0].force.x, next.load[0].force.y,
+                    next.load[0].force.z);
+        EXPECT_GT(contacts.size(), 10u);
+      }
+      EXPECT_LT(norm(sum - next.load[0].force), 1e-4 * norm(next.load[0].force) + 1e-6);
+    }
+    EXPECT_EQ(dem::state_hash(run.state()), dem::state_hash(without.state())) << law;
+  }
+}
+
 TEST(ContactFieldsOfVariants, HaveTheSameBits) {
   for (const char* law : {"hertz_mindlin", "hertz_frictionless", "paper"}) {
     ParticleRun special(with_fields(falling_spheres(law, "", 150)), dem::Backend::cpu, 1),
