@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "dem_server/base/fixed_point.hpp"
-#include "dem_server/laws/contact.hpp"
+#include "dem_server/laws/history.hpp"
 
 namespace tandem::dem {
 
@@ -29,23 +29,24 @@ struct DissipationView {
   TANDEM_HD bool any() const { return sum != nullptr; }
 };
 
-// Adds the energy of one contact in one micro step, `weight` times the half of it. The velocities of a
-// contact are those half a step ago; the step changes those of its partners by its own force, by 1/m* along
-// the normal and 7/2 of that across, where spheres begin to rotate as well. The mean over the step makes the
-// sum second order in dt for single impacts. `moment` is that of rolling and twisting on i, `rate` the
-// relative rotation.
+// Adds the energy of one contact in one micro step, `weight` times the half of it. `before` and `after` are
+// its tangential spring, `moment` that of rolling and twisting on i, `rate` the relative rotation.
+//
+// The velocities of a contact are those half a step ago. So that the sums are second order in dt, the
+// tangential spring works with the mean of its forces at both ends of that displacement, and the damper with
+// the mean of the speeds before and after the step, which the force of the contact itself changes by F_n dt /
+// m*. Both give nothing where spheres are at rest under load.
 template <class Real>
 TANDEM_HD void add_dissipation(const DissipationView& view, std::uint32_t sphere, std::int64_t weight,
-                               const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> moment,
-                               Vec3<Real> rate) {
-  const double dt = static_cast<double>(c.dt), half_step = 0.5 * dt / static_cast<double>(c.m_eff);
-  const double normal = static_cast<double>(f.normal),
-               damping = normal - static_cast<double>(f.elastic_force);
-  const Vec3d tangential = f.tangential.template as<double>();
-  const double speed = static_cast<double>(c.normal_speed) + half_step * normal;
-  const Vec3d slip = c.slip.template as<double>() + (3.5 * half_step) * tangential;
+                               const Contact<Real>& c, const ContactForce<Real>& f, Vec3<Real> before,
+                               Vec3<Real> after, Vec3<Real> moment, Vec3<Real> rate) {
+  const double dt = static_cast<double>(c.dt), normal = static_cast<double>(f.normal),
+               damping = normal - static_cast<double>(f.elastic_force),
+               speed = static_cast<double>(c.normal_speed) + 0.5 * dt / static_cast<double>(c.m_eff) * normal;
+  const Vec3<Real> kept = rotate_spring(before, c, f.previous_stiffness2, f.current_stiffness2);
+  const Vec3<Real> friction = f.tangential + (f.k_t / 2) * (after - kept);
   const double energy[dissipation_count] = {
-      -dt * damping * speed, -dt * dot(tangential, slip),
+      -dt * damping * speed, -dt * dot(friction.template as<double>(), c.slip.template as<double>()),
       -dt * dot(moment.template as<double>(), rate.template as<double>())};
   std::int64_t* sum = view.sum + std::size_t{sphere % dissipation_slots} * dissipation_count;
   for (std::uint32_t k = 0; k < dissipation_count; ++k)

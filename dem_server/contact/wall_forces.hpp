@@ -238,7 +238,8 @@ struct WallForces {
       on_sphere.torque += rolling_torque;
       moment -= rolling_torque.template as<double>();
       if (view.dissipation.any())
-        add_dissipation(view.dissipation, m.near.sphere, 2, contact, f, rolling_torque, rate);
+        add_dissipation(view.dissipation, m.near.sphere, 2, contact, f, spring_before, history->spring,
+                        rolling_torque, rate);
     }
     tally.add_load(m.near.body, -on_sphere.force, moment, p.force, p.torque);
     tally.observe_overlap(static_cast<float>(contact.overlap * k.curvature));

@@ -96,7 +96,9 @@ TEST(SensorColumns, ThePageHasTheChannels) {
 TEST(SensorColumns, OfAWallAreItsLoads) {
   Scene scene;
   scene.dem.emplace();
-  scene.dem->sensors = {{.name = "on_gate", .wall = "gate"}};
+  ParticleSensor& sensor = scene.dem->sensors.emplace_back();
+  sensor.name = "on_gate";
+  sensor.wall = "gate";
   EXPECT_EQ(
       sensor_columns(scene),
       (std::vector<std::string>{"on_gate.force.x", "on_gate.force.y", "on_gate.force.z",

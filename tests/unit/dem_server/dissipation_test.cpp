@@ -14,12 +14,10 @@
 namespace tandem::test {
 namespace {
 
-using nlohmann::json;
-
-constexpr double dt = 2e-5;  // [s]
+constexpr double impact_dt = 2e-5;  // [s]
 
 std::string with_dissipation(const std::string& scene) {
-  json all = json::parse(scene);
+  nlohmann::json all = nlohmann::json::parse(scene);
   all["output"]["dissipation"] = true;
   return all.dump();
 }
@@ -46,7 +44,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, Dissipated, testing::Values("hertz_mindlin", "her
 
 // Two spheres that meet, and one that meets a wall, at an angle.
 TEST_P(Dissipated, InImpacts) {
-  PeriodicScene scene = bed(json::parse(
+  PeriodicScene scene = bed(nlohmann::json::parse(
       std::string(R"({"contact": ")") + GetParam() +
       R"(", "pairs": [{"a": "m", "b": "m", "restitution": 0.5, "friction": 0.3, "spring_stiffness": 2000}]})"));
   scene.gravity = {};
@@ -57,7 +55,7 @@ TEST_P(Dissipated, InImpacts) {
     s.velocity = {{0.4, 0.2, 0}, {-0.3, 0, 0}, {0.3, 0.1, -0.4}};
   });
   const double before = energy_of(run.state(), 0);
-  for (int w = 0; w < 4; ++w) run.advance(500, dt);
+  for (int w = 0; w < 4; ++w) run.advance(500, impact_dt);
   const double lost = before - energy_of(run.state(), 0);
   const std::vector<double> parts = run.engine->dissipated();
   std::printf("%s: lost %.6g J, dissipated %.6g J (damping %.3g, friction %.3g)\n", GetParam(), lost,
@@ -69,23 +67,44 @@ TEST_P(Dissipated, InImpacts) {
 
 // Spheres fall into a box and come nearly to rest, with rolling resistance.
 TEST_P(Dissipated, WhereManySpheresFall) {
-  const std::string text =
-      falling_spheres(GetParam(), R"("rolling": "elastic_plastic", "variant": "generic",)", 150);
-  ParticleRun run(with_dissipation(text), dem::Backend::cpu, 1), without(text),
-      three(with_dissipation(text), dem::Backend::cpu, 3);
+  PeriodicScene scene;
+  scene.gravity = {0, 0, -9.81};
+  scene.count = 120;
+  scene.axes = {};
+  nlohmann::json all = nlohmann::json::parse(scene.json());
+  all["dem"]["contact"] = GetParam();
+  all["dem"]["rolling"] = "elastic_plastic";
+  all["dem"]["pairs"][0].update(
+      {{"spring_stiffness", 2000}, {"rolling_friction", 0.1}, {"rolling_damping", 0.3}});
+  auto& group = all["dem"]["particles"][0];
+  group["velocity"] = {0.3, 0.1, -1};
+  group["fill"]["min"] = {0.0625, 0.0625, 0.02}, group["fill"]["max"] = {0.1875, 0.1875, 0.2};
+  all["dem"]["walls"] = {{{"name", "box"},
+                          {"material", "m"},
+                          {"position", {0.125, 0.125, 0.125}},
+                          {"shape", {{"type", "box"}, {"size", {0.125, 0.125, 0.25}}, {"open", {"+z"}}}}}};
+  ParticleRun run(with_dissipation(all.dump())), without(all.dump()),
+      three(with_dissipation(all.dump()), dem::Backend::cpu, 3);
   constexpr double g = 9.81;
   const double before = energy_of(run.state(), g);
-  for (int w = 0; w < 40; ++w)
-    for (ParticleRun* each : {&run, &without, &three}) each->advance(500, dt);
+  std::vector<double> early;
+  for (int w = 0; w < 40; ++w) {
+    run.advance(500, impact_dt);
+    if (w == 4) early = run.engine->dissipated();
+  }
   const double lost = before - energy_of(run.state(), g);
   const std::vector<double> parts = run.engine->dissipated();
   std::printf(
       "%s: expected %.6g J, measured %.6g J, tolerance 1 %% (damping %.3g, friction %.3g, rolling %.3g)\n",
       GetParam(), lost, sum(parts), parts[dem::by_normal_damping], parts[dem::by_friction],
       parts[dem::by_rolling]);
-  EXPECT_GT(lost, 0.1 * before);
+  EXPECT_GT(lost, 0.5 * before);
   EXPECT_NEAR(sum(parts), lost, 0.01 * lost);
-  EXPECT_EQ(three.engine->dissipated(), parts) << "the same bits with three threads";
+  if (std::string(GetParam()) != "hertz_mindlin") return;
+  EXPECT_GT(parts[dem::by_rolling], 0);
+  for (int w = 0; w < 40; ++w) without.advance(500, impact_dt);
+  for (int w = 0; w < 5; ++w) three.advance(500, impact_dt);
+  EXPECT_EQ(three.engine->dissipated(), early) << "the same bits with three threads";
   EXPECT_EQ(dem::state_hash(without.state()), dem::state_hash(run.state())) << "it changes nothing";
 }
 
