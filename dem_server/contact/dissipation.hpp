@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "dem_server/base/fixed_point.hpp"
 #include "dem_server/laws/history.hpp"
+#include "particles/base/fixed_point.hpp"
 
 namespace tandem::dem {
 
