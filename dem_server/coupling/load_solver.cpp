@@ -9,6 +9,7 @@
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "dem_server/contact/dissipation.hpp"
 #include "dem_server/coupling/history.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "dem_server/coupling/state_hash.hpp"
@@ -82,7 +83,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   if (sensors_.any()) {
     poses_.clear();
     for (const PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, 1));
-    loads_.sensors = sensors_.measure(*engine_, poses_, length, memory_.sensors);
+    loads_.sensors = sensors_.measure(*engine_, poses_, length, outcome.wall_means, memory_.sensors);
   }
   memory_.now = motion.window.end;
   memory_.micro_steps += plan_.steps;
@@ -285,17 +286,40 @@ void fill_spheres(protocol::ParticlesFrame& frame, const auto& download) {
 
 }  // namespace
 
+std::vector<double> Solver::contacts_of_bodies() {
+  set_last_poses();
+  std::vector<std::uint8_t> wanted;
+  for (const BoundaryBody& boundary : bodies_)
+    wanted.push_back(std::ranges::find(scene_.output.contacts, boundary.body) !=
+                     scene_.output.contacts.end());
+  std::vector<double> values;
+  for (const BodyContact& contact : engine_->body_contacts({poses_, step_taken()}, wanted)) {
+    const BodyId body = bodies_[contact.body].body;
+    const Vec3d p = contact.point, f = contact.force;
+    const double index = body == ground ? -1.0 : body.value;
+    values.insert(values.end(), {index, static_cast<double>(contact.sphere), p.x, p.y, p.z, f.x, f.y, f.z});
+  }
+  return values;
+}
+
 const protocol::ParticlesFrame& Solver::observe() {
   fill_spheres(frame_, [&](SphereFrame& spheres) { engine_->download(spheres); });
   frame_.time = memory_.now;
-  if (scene_.output.needs_contacts()) frame_.contacts = contacts_of_spheres();
+  observe_contacts(frame_);
   return frame_;
+}
+
+// What is evaluated only where the scene asks for it.
+void Solver::observe_contacts(protocol::ParticlesFrame& frame) {
+  if (scene_.output.needs_contacts()) frame.contacts = contacts_of_spheres();
+  if (!scene_.output.contacts.empty()) frame.of_bodies = contacts_of_bodies();
+  if (!scene_.output.wall_fields.empty()) frame.walls = engine_->wall_fields();
 }
 
 void Solver::snapshot() {
   engine_->snapshot();
   snapshot_.time = memory_.now;
-  if (scene_.output.needs_contacts()) snapshot_.contacts = contacts_of_spheres();
+  observe_contacts(snapshot_);
 }
 
 const protocol::ParticlesFrame& Solver::read_snapshot() {
@@ -335,6 +359,10 @@ protocol::Report Solver::report() {
   std::vector<std::string>& warnings = facts.warnings.emplace(warnings_);
   for (const std::string& sentence : watch_.warnings(memory_.limits)) warnings.push_back(sentence);
   for (const std::string& sentence : sensors_.warnings(memory_.sensors)) warnings.push_back(sentence);
+  if (const std::vector<double> energy = engine_->dissipated(); !energy.empty())
+    others["dem_dissipated_J"] = {{"normal_damping", energy[by_normal_damping]},
+                                  {"friction", energy[by_friction]},
+                                  {"rolling", energy[by_rolling]}};
   traffic_.report(memory_.traffic, facts, others);
   belts_.report(memory_.belts, others);
   if (memory_.lost_reported > 0)

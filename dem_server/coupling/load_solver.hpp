@@ -33,7 +33,8 @@ class Solver final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint |
-           protocol::can_measure | protocol::can_observe_contacts | protocol::can_snapshot;
+           protocol::can_measure | protocol::can_observe_contacts | protocol::can_observe_walls |
+           protocol::can_snapshot;
   }
 
  private:
@@ -86,6 +87,8 @@ class Solver final : public protocol::LoadSolver {
   // Sets poses_ to those at the end of the last window, or of the scene before the first one.
   void set_last_poses();
   std::vector<float> contacts_of_spheres();
+  void observe_contacts(protocol::ParticlesFrame& frame);
+  std::vector<double> contacts_of_bodies();
   void record_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t body, double length, const WindowOutcome& outcome) const;
 

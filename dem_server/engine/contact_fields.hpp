@@ -7,9 +7,12 @@
 // over its contacts, with normal force F_n, positive where it pushes, and distance l of the contact from the
 // centre. Friction is perpendicular to the line to the centre and adds nothing. Forces are those of the micro
 // step that comes next: of these positions, and of velocities half a micro step before.
+//
+// The contacts of single bodies are evaluated in the same way.
 #pragma once
 
 #include "dem_server/contact/pair_forces.hpp"
+#include "dem_server/engine/engine.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
 #include "dem_server/engine/sphere_contacts.hpp"
 
@@ -91,6 +94,43 @@ struct SumContacts {
       sum.mean_stress = virial / (four_pi * radius * radius * radius);
     }
     result[i] = sum;
+  }
+};
+
+// The contacts of entry `which` of the pairs of a sphere and a body near it. Without `found` they are counted
+// into start[which], else stored from that index on.
+template <class Law, class Real>
+struct FindBodyContacts {
+  View<Real> view;
+  const BodyPose* pose;        // of each body
+  const std::uint8_t* wanted;  // of each body
+  double dt;                   // [s]
+  std::uint32_t* start;
+  BodyContact* found;
+
+  TANDEM_HD void operator()(std::uint32_t which) const {
+    const NearBody near = view.lists.near[which];
+    std::uint32_t count = 0;
+    if (wanted[near.body] != 0) {
+      const CurrentStep now(dt, view.window->progress[0]);
+      const WallTangents<Law, Real> walls{view, pose, now};
+      const Vec3d origin = pose[near.body].p;
+      std::uint32_t id = 0;
+      if constexpr (Law::tangential)
+        id = view.spheres.spin[now.state_side][near.sphere].id;
+      else
+        id = view.spheres.id[near.sphere];
+      walls.each_contact(which, [&](const WallContactState& at) {
+        if (found != nullptr) {
+          Vec3d spring = at.spring;
+          const ContactForce<double> f = Law{}(at.contact, at.k, view.parameters.law, spring);
+          found[start[which] + count] = {near.body, id, origin + at.arm,
+                                         -(f.normal * at.contact.n + f.tangential)};
+        }
+        ++count;
+      });
+    }
+    if (found == nullptr) start[which] = count;
   }
 };
 

@@ -11,6 +11,7 @@
 #include "dem_server/engine/account.hpp"
 #include "dem_server/engine/engine_state.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
+#include "dem_server/engine/wall_rows.hpp"
 #include "dem_server/neighbours/build.hpp"
 
 namespace tandem::dem {
@@ -40,6 +41,10 @@ struct EngineMemory {
   SurfaceBuffers<Exec> surface;
   Buffer<PairExtras<Real>> extras;
   Buffer<CoarseLevel> coarse;
+  Buffer<WallRows> wall_rows;        // of each facet; empty where nothing is summed
+  Buffer<std::int64_t> wall_window;  // sums of the window
+  std::uint32_t walls_with_sensors = 0;
+  Buffer<std::int64_t> dissipation_window;  // empty where nothing is summed
 
   // `p` must be the parameters of the same scene.
   EngineMemory(Exec& exec, const EngineSetup& setup, const Parameters<Real>& p)
@@ -57,6 +62,16 @@ struct EngineMemory {
     if constexpr (Law::extended) {
       const std::vector<PairExtras<Real>> of_pairs = make_pair_extras<Real>(setup.scene);
       exec.upload(extras, std::span<const PairExtras<Real>>(of_pairs));
+    }
+    if (const WallRowPlan plan = plan_wall_rows(setup.scene, setup.surface); plan.rows > 0) {
+      exec.upload(wall_rows, std::span<const WallRows>(plan.of_facet));
+      wall_window.resize(std::size_t{plan.rows} * wall_sum_count);
+      now.wall_sums.resize(wall_window.size());
+      walls_with_sensors = plan.walls;
+    }
+    if (setup.scene.output.dissipation) {
+      dissipation_window.resize(std::size_t{dissipation_slots} * dissipation_count);
+      now.dissipated.resize(dissipation_count);
     }
     now.window.resize(1);
     window.totals.resize(total_count);
@@ -171,6 +186,9 @@ struct EngineMemory {
     view.extras = extras.data();
     view.surface = surface.view(bodies);
     if (belts) view.belts = {window.belt_velocity.data(), window.belt_pull.data()};
+    if (wall_rows.size() > 0) view.wall_sums.rows = wall_rows.data(), view.wall_sums.sum = wall_window.data();
+    view.dissipation.sum = data_or_none(dissipation_window);
+    view.dissipation.of_pair = Exec::pairs_once ? 2 : 1;
     view.pose = window.pose.data();
     view.load = window.load.data();
     view.totals = window.totals.data();
@@ -192,6 +210,9 @@ struct EngineMemory {
     add(wall_force);
     add(extras);
     add(coarse);
+    add(wall_rows);
+    add(wall_window);
+    add(dissipation_window);
     if constexpr (Exec::on_host)
       sum += window.load.size() * sizeof(std::int64_t) + window.pose.size() * sizeof(Wrench);
     return sum;

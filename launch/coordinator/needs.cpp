@@ -69,6 +69,10 @@ std::vector<Need> needs_of_dem(const scene::Scene& scene) {
         scene.output.has(field))
       needs.push_back({protocol::can_observe_contacts, fmt::format("output.fields '{}'", name),
                        fmt::format("leave '{}' out of output.fields", name)});
+  if (!scene.output.contacts.empty())
+    needs.push_back({protocol::can_observe_contacts, "output.contacts", "leave out output.contacts"});
+  if (!scene.output.wall_fields.empty())
+    needs.push_back({protocol::can_observe_walls, "output.wall_fields", "leave out output.wall_fields"});
   if (!scene.mbd) return needs;
   const scene::Coupling& how = scene.coupling;
   const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
@@ -131,6 +135,8 @@ std::string in_words(protocol::Capability capability) {
       return "the contacts of the spheres in frames";
     case protocol::can_snapshot:
       return "frames that are prepared during the next window (snapshot)";
+    case protocol::can_observe_walls:
+      return "the forces on triangles of walls in frames";
   }
   return "an unknown capability";
 }

@@ -17,7 +17,9 @@
 #include "launch/results/disk_error.hpp"
 #include "launch/results/rows.hpp"
 #include "launch/results/series/body_series.hpp"
+#include "launch/results/series/contact_series.hpp"
 #include "launch/results/series/particle_series.hpp"
+#include "launch/results/wall_fields.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -67,6 +69,8 @@ struct Results::State {
     std::vector<BodyMesh> drawn = body_meshes(scene, meshes, shapes);
     if (particles || !drawn.empty()) prepared(folder / frames_folder);
     if (particles) particle_series.emplace(folder);
+    if (!scene.output.contacts.empty()) contact_series.emplace(folder);
+    if (!scene.output.wall_fields.empty()) wall_fields.emplace(scene, meshes, drawn);
     if (!drawn.empty()) body_series.emplace(folder, std::move(drawn));
     if (const auto columns = scene::sensor_columns(scene); !columns.empty())
       sensors.emplace(folder / sensors_file, with_time(columns));
@@ -87,6 +91,8 @@ struct Results::State {
   std::size_t element_columns = 0;
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
+  std::optional<WallFields> wall_fields;
+  std::optional<ContactSeries> contact_series;
 
   // The columns that the scene asks for.
   std::vector<ParticleSeries::Column> columns_of(const protocol::ParticlesFrame& frame) const {
@@ -226,7 +232,10 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
     if (check && s.frame_particles) check(*s.frame_particles);
     try {
       if (s.particle_series) s.particle_series->append(*s.frame_particles, s.columns_of(*s.frame_particles));
-      if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
+      if (s.contact_series) s.contact_series->append(*s.frame_particles);
+      std::vector<std::vector<CellColumn>> cells;
+      if (s.wall_fields) cells = s.wall_fields->of(*s.frame_particles);
+      if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr, cells);
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("{} (frame of t = {:.6g} s)", error.problem(), to_seconds(time)),
                   error.where(), error.hint());
@@ -250,6 +259,7 @@ void Results::finish() {
   }
   if (state_->particle_series) state_->particle_series->finish();
   if (state_->body_series) state_->body_series->finish();
+  if (state_->contact_series) state_->contact_series->finish();
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -13,7 +13,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr double dt = 2e-5;  // [s]
+constexpr double frame_dt = 2e-5;  // [s]
 
 std::string with_fields(const std::string& scene) {
   nlohmann::json all = nlohmann::json::parse(scene);
@@ -28,7 +28,7 @@ dem::ContactsFrame contacts_of(ParticleRun& run) {
     poses.push_back({pose.p_WB, pose.q_WB.matrix(), {}, {}});
   }
   dem::ContactsFrame frame;
-  run.engine->download({poses, dt}, frame);
+  run.engine->download({poses, frame_dt}, frame);
   return frame;
 }
 
@@ -96,8 +96,8 @@ TEST_P(ContactFields, OfABedAtRestBearItsWeight) {
       s.position[i] += 0.1 * scene.radius * Vec3d{std::sin(12.9 * phase), std::cos(78.2 * phase), 0};
     }
   });
-  for (int w = 0; w < 60; ++w) run.advance(1000, dt);
-  const dem::WindowOutcome& last = run.advance(1, dt);
+  for (int w = 0; w < 60; ++w) run.advance(1000, frame_dt);
+  const dem::WindowOutcome& last = run.advance(1, frame_dt);
   const double on_x = last.load[1].force.x, on_y = last.load[2].force.y;
   const dem::ContactsFrame frame = contacts_of(run);
   const dem::Spheres s = run.state();
@@ -132,11 +132,53 @@ TEST_P(ContactFields, ChangeNothing) {
   contacts_of(with);
   EXPECT_EQ(written(with), before);
   for (int w = 0; w < 10; ++w) {
-    without.advance(400, dt);
-    with.advance(400, dt);
+    without.advance(400, frame_dt);
+    with.advance(400, frame_dt);
     contacts_of(with);
   }
   EXPECT_EQ(dem::state_hash(with.state()), dem::state_hash(without.state()));
+}
+
+// Spheres fall into a box: the contacts of the ground are the load of the next micro step, and say which
+// spheres press where.
+TEST(BodyContacts, AreTheLoadOfTheNextStep) {
+  for (const char* law : {"hertz_mindlin", "hertz_frictionless", "paper", "hooke"}) {
+    nlohmann::json all = nlohmann::json::parse(falling_spheres(law, "", 150));
+    all["output"]["contacts"] = {"ground"};
+    ParticleRun run(all.dump()), without(falling_spheres(law, "", 150));
+    const std::vector<dem::BodyPose> poses{{{}, Quat{}.matrix(), {}, {}}};
+    const std::vector<std::uint8_t> wanted{1}, none{0};
+    EXPECT_TRUE(run.engine->body_contacts({poses, frame_dt}, wanted).empty())
+        << "no sphere touches a wall at the start";
+    for (int w = 0; w < 10; ++w) {
+      run.advance(400, frame_dt);
+      without.advance(400, frame_dt);
+      const std::vector<dem::BodyContact> contacts = run.engine->body_contacts({poses, frame_dt}, wanted);
+      const dem::Spheres s = run.state();
+      Vec3d sum;
+      for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const dem::BodyContact& c = contacts[i];
+        sum += c.force;
+        const std::size_t sphere = c.sphere;  // none has left the domain, so that ids are indices
+        EXPECT_LT(norm(c.point - s.position[sphere]), s.radius[sphere]);
+        EXPECT_GT(norm(c.point - s.position[sphere]), 0.8 * s.radius[sphere]);
+        if (i > 0) {
+          EXPECT_LE(contacts[i - 1].sphere, c.sphere);
+        }
+      }
+      EXPECT_TRUE(run.engine->body_contacts({poses, frame_dt}, none).empty());
+      const dem::WindowOutcome& next = run.advance(1, frame_dt);
+      without.advance(1, frame_dt);
+      if (w == 9) {
+        std::printf("%s: %zu contacts, sum (%.6g, %.6g, %.6g) N, load (%.6g, %.6g, %.6g) N\n", law,
+                    contacts.size(), sum.x, sum.y, sum.z, next.load[0].force.x, next.load[0].force.y,
+                    next.load[0].force.z);
+        EXPECT_GE(contacts.size(), 4u);
+      }
+      EXPECT_LT(norm(sum - next.load[0].force), 1e-4 * norm(next.load[0].force) + 1e-6);
+    }
+    EXPECT_EQ(dem::state_hash(run.state()), dem::state_hash(without.state())) << law;
+  }
 }
 
 TEST(ContactFieldsOfVariants, HaveTheSameBits) {
@@ -144,8 +186,8 @@ TEST(ContactFieldsOfVariants, HaveTheSameBits) {
     ParticleRun special(with_fields(falling_spheres(law, "", 150)), dem::Backend::cpu, 1),
         generic(with_fields(falling_spheres(law, R"("variant": "generic",)", 150)), dem::Backend::cpu, 3);
     for (int w = 0; w < 3; ++w) {
-      special.advance(400, dt);
-      generic.advance(400, dt);
+      special.advance(400, frame_dt);
+      generic.advance(400, frame_dt);
     }
     const dem::ContactsFrame a = contacts_of(special), b = contacts_of(generic);
     EXPECT_EQ(a.count, b.count) << law;
@@ -166,7 +208,7 @@ TEST(ContactFieldsOfCohesion, PullAcrossAGap) {
   });
   bool pulled_across = false;
   for (int w = 0; w < 200 && !pulled_across; ++w) {
-    run.advance(1, dt);
+    run.advance(1, frame_dt);
     const dem::Spheres s = run.state();
     const dem::ContactsFrame frame = contacts_of(run);
     if (norm(s.position[1] - s.position[0]) <= 2 * r || frame.count[0] == 0) continue;

@@ -15,7 +15,7 @@ using testing::IsEmpty;
 
 constexpr std::uint64_t every_capability = can_predict | can_rollback | can_interpolate | can_window_mean |
                                            can_linearise | can_extrapolate | can_control | can_checkpoint |
-                                           can_observe_elements | can_observe_contacts;
+                                           can_observe_elements | can_observe_contacts | can_observe_walls;
 // What a particle solver that only steps forward has.
 constexpr std::uint64_t forward = can_interpolate | can_window_mean;
 
@@ -152,6 +152,15 @@ TEST(Needs, ContactsOfSpheresAreNeededWhereFramesHaveThem) {
   EXPECT_THAT(refusal(scene, every_capability, every_capability & ~can_observe_contacts),
               HasSubstr("output.fields 'mean_stress' needs the contacts of the spheres in frames, which "
                         "liggghts 3.8 does not offer (leave 'mean_stress' out of output.fields)"));
+}
+
+TEST(Needs, FieldsOfWallsAndContactsOfBodiesNeedTheirCapabilities) {
+  scene::Scene scene = box();
+  EXPECT_EQ(needed_of_dem(scene) & (can_observe_contacts | can_observe_walls), 0u);
+  scene.output.wall_fields = {"box"};
+  EXPECT_EQ(needed_of_dem(scene) & can_observe_walls, std::uint64_t{can_observe_walls});
+  scene.output.contacts = {ground};
+  EXPECT_EQ(needed_of_dem(scene) & can_observe_contacts, std::uint64_t{can_observe_contacts});
 }
 
 }  // namespace
