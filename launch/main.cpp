@@ -288,7 +288,8 @@ void add_movie(CLI::App& app) {
       ->check(CLI::Range(0.1, 240.0))
       ->capture_default_str();
   verb->add_option("--size", *size, "Width and height [pixels]")->capture_default_str();
-  verb->add_option("--colour-by", options->colour_by, "What colours the spheres: speed, radius or spin")
+  verb->add_option("--colour-by", options->colour_by,
+                   "What colours the spheres: speed, radius, spin, or one of output.fields of the scene")
       ->capture_default_str();
   verb->add_option("--scene", *scene, "Scene of the run, where it is no longer where it was");
   verb->callback([=] {

@@ -326,12 +326,40 @@ void check_values(const ParticlesFrame& value) {
   expect_size("velocity", value.velocity.size(), 3);
   expect_size("spin", value.spin.size(), 3);
   expect_size("radius", value.radius.size(), 1);
+  if (!value.contacts.empty()) expect_size("contacts", value.contacts.size(), ParticlesFrame::contact_values);
   expect_ascending(
       value.id, [](std::uint32_t id) { return id; }, "id");
   expect_finite(value.position, 3, value, "position");
   expect_finite(value.velocity, 3, value, "velocity");
   expect_finite(value.spin, 3, value, "spin");
   expect_finite(value.radius, 1, value, "radius");
+  expect_finite(value.contacts, ParticlesFrame::contact_values, value, "contacts");
+  if (value.walls.size() % ParticlesFrame::wall_values != 0)
+    throw ProtocolError(Violation::bad_index,
+                        "walls holds " + std::to_string(value.walls.size()) + " numbers, expected " +
+                            std::to_string(ParticlesFrame::wall_values) + " for each triangle");
+  for (std::size_t i = 0; i < value.walls.size(); ++i)
+    check_field("value", value.walls[i],
+                "triangle " + std::to_string(i / ParticlesFrame::wall_values) + " of the walls: ");
+  constexpr std::size_t stride = ParticlesFrame::of_bodies_values;
+  if (value.of_bodies.size() % stride != 0)
+    throw ProtocolError(Violation::bad_index, "of_bodies holds " + std::to_string(value.of_bodies.size()) +
+                                                  " numbers, expected " + std::to_string(stride) +
+                                                  " for each contact");
+  for (std::size_t i = 0; i < value.of_bodies.size(); ++i) {
+    const std::string owner = "contact " + std::to_string(i / stride) + " of bodies: ";
+    check_field("value", value.of_bodies[i], owner);
+    const double lowest = i % stride == 0 ? -1 : 0;
+    if (i % stride < 2 &&
+        !(value.of_bodies[i] >= lowest && value.of_bodies[i] == std::floor(value.of_bodies[i])))
+      throw ProtocolError(Violation::bad_index, owner + (i % stride == 0 ? "body" : "sphere") + " is " +
+                                                    text(value.of_bodies[i]) + ", not an index");
+  }
+  for (std::size_t i = 0; i < value.contacts.size(); i += ParticlesFrame::contact_values)
+    if (const float count = value.contacts[i]; !(count >= 0) || count != std::floor(count))
+      throw ProtocolError(Violation::bad_index,
+                          "particle " + std::to_string(value.id[i / ParticlesFrame::contact_values]) +
+                              ": number of contacts is " + text(count) + ", not a whole number from 0 on");
   for (std::size_t i = 0; i < n; ++i)
     if (!(value.radius[i] > 0))
       throw ProtocolError(Violation::not_positive, "particle " + std::to_string(value.id[i]) +

@@ -34,10 +34,13 @@ class Writer {
     append(array.data(), array.size() * sizeof(*array.data()));
     out_.resize(out_.size() + padding(out_.size()));
   }
-  // An array at the end of a payload that a version added: absent where it is empty.
-  template <class T>
-  void rest(const T& values) {
-    if (!values.empty()) array(values);
+  // Arrays at the end of a payload that a version added: absent after the last one that is not empty.
+  template <class... T>
+  void rest(const T&... values) {
+    std::size_t number = 0, present = 0;
+    ((++number, present = values.empty() ? present : number), ...);
+    number = 0;
+    ((number++ < present ? array(values) : void()), ...);
   }
   template <class T, class F>
   void list(const T& items, F each) {
@@ -80,12 +83,17 @@ class Reader {
     take(&zeros, padding(n * item));
     if (zeros != 0) throw ProtocolError(Violation::trailing_bytes, "the padding of an array is not zero");
   }
-  template <class T>
-  void rest(T& values) {
-    values.clear();
-    if (in_.empty()) return;
-    array(values);
-    if (values.empty())
+  template <class... T>
+  void rest(T&... values) {
+    bool empty = false;  // the last one that is there
+    const auto read = [&](auto& array_of) {
+      array_of.clear();
+      if (in_.empty()) return;
+      array(array_of);
+      empty = array_of.empty();
+    };
+    (read(values), ...);
+    if (empty && in_.empty())
       throw ProtocolError(Violation::trailing_bytes, "a payload of " + std::to_string(size_) +
                                                          " bytes ends with an empty list, which is left out");
   }
@@ -220,6 +228,7 @@ void visit(auto& io, Either<ParticlesFrame> auto& v) {
   io.array(v.velocity);
   io.array(v.spin);
   io.array(v.radius);
+  io.rest(v.contacts, v.walls, v.of_bodies);
 }
 
 void visit(auto& io, Either<Report> auto& v) {
@@ -284,14 +293,15 @@ void encode(Bytes& out, const Report& value) {
   write(out, value);
 }
 
-std::uint64_t size_of_particles_frame(std::uint64_t spheres) {
+std::uint64_t size_of_particles_frame(std::uint64_t spheres, bool with_contacts) {
   const auto array = [spheres](std::uint64_t of_one) {
     const std::uint64_t size = spheres * of_one;
     return sizeof(std::uint64_t) + size + padding(size);
   };
   constexpr std::uint64_t vector = 3 * sizeof(float);
   return sizeof(Nanoseconds) + array(sizeof(std::uint32_t)) + array(3 * sizeof(double)) + 2 * array(vector) +
-         array(sizeof(float));
+         array(sizeof(float)) +
+         (with_contacts && spheres > 0 ? array(ParticlesFrame::contact_values * sizeof(float)) : 0);
 }
 
 void decode(std::span<const std::byte> in, Hello& value) {

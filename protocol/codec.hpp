@@ -44,7 +44,7 @@ void decode(std::span<const std::byte> in, BodiesFrame& value);
 void decode(std::span<const std::byte> in, ParticlesFrame& value);
 void decode(std::span<const std::byte> in, Report& value);
 // Payload size of a ParticlesFrame with that number of spheres [bytes].
-std::uint64_t size_of_particles_frame(std::uint64_t spheres);
+std::uint64_t size_of_particles_frame(std::uint64_t spheres, bool with_contacts = false);
 
 // save, restore, done, finish and welcome have an empty payload.
 void decode_nothing(std::span<const std::byte> in);

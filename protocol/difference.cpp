@@ -174,7 +174,11 @@ Found compare_payload(const ParticlesFrame& a, const ParticlesFrame& b) {
   if (Found found = compare_spheres("position", b.id, a.position, b.position, 3)) return found;
   if (Found found = compare_spheres("velocity", b.id, a.velocity, b.velocity, 3)) return found;
   if (Found found = compare_spheres("spin", b.id, a.spin, b.spin, 3)) return found;
-  return compare_spheres("radius", b.id, a.radius, b.radius, 1);
+  if (Found found = compare_spheres("radius", b.id, a.radius, b.radius, 1)) return found;
+  if (Found found = compare_spheres("contacts", b.id, a.contacts, b.contacts, ParticlesFrame::contact_values))
+    return found;
+  if (Found found = compare_columns("value of walls", a.walls, b.walls)) return found;
+  return compare_columns("value of the contacts of bodies", a.of_bodies, b.of_bodies);
 }
 Found compare_payload(const Failure& a, const Failure& b) {
   if (Found found = compare("code", std::string(name(a.code)), std::string(name(b.code)))) return found;

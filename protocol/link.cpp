@@ -138,12 +138,16 @@ Error Link::in_window(const Error& e, const char* awaited) const {
 
 ProtocolError Link::located(const ProtocolError& e) const {
   if (!e.where().empty()) return e;
+  return ProtocolError(e.violation(), e.problem(), place(), e.hint());
+}
+
+std::string Link::place() const {
   std::string where = "from " + peer();
   if (ours_)
     where = self_ == Sender::coordinator ? "to " + peer() : "from " + std::string(name(session_.role()));
   if (current_ != Kind{})
     where = std::string(name(current_)) + " of window " + std::to_string(progress_.window()) + " " + where;
-  return ProtocolError(e.violation(), e.problem(), where, e.hint());
+  return where;
 }
 
 }  // namespace tandem::protocol

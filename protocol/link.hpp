@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "protocol/channel.hpp"
 #include "protocol/codec.hpp"
@@ -28,6 +29,12 @@ class Link {
     const Clock::time_point begin = Clock::now();
     encode(out_, value);
     send_payload(kind, begin, deadline);
+  }
+
+  // The same for a payload that was encoded before; its memory is exchanged.
+  void send_encoded(Kind kind, Bytes& payload, Deadline deadline) {
+    std::swap(out_, payload);
+    send_payload(kind, Clock::now(), deadline);
   }
 
   // Waits for the next message. `awaited` describes it for a time-out error: "the answer to advance_dem". A
@@ -63,6 +70,9 @@ class Link {
     ours_ = true;
     check(f);
   }
+
+  // The present message, its window and its sender, as in errors.
+  std::string place() const;
 
   // Sets the values that the partners of the session agree on in welcome.
   void adopt(RunIdentity identity, Version version);

@@ -40,8 +40,11 @@ enum Capability : std::uint64_t {
   can_extrapolate = 1u << 5,  // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
   can_control = 1u << 6,      // mbd: answers control; since 1.2
   can_checkpoint = 1u << 7,   // answers checkpoint and resume; since 1.3
-  can_observe_elements = 1u << 8,  // mbd: its bodies frames have the elements; since 1.4
-  can_measure = 1u << 9,           // dem: its loads have the values of the sensors; since 1.4
+  can_observe_elements = 1u << 8,   // mbd: its bodies frames have the elements; since 1.4
+  can_measure = 1u << 9,            // dem: its loads have the values of the sensors; since 1.4
+  can_observe_contacts = 1u << 10,  // dem: its particles frames have the contacts of spheres; since 1.4
+  can_observe_walls = 1u << 11,     // dem: its particles frames have the fields of walls; since 1.4
+  can_snapshot = 1u << 12,          // dem: keeps a particles frame for later; since 1.4
 };
 
 struct Hello {
@@ -183,6 +186,21 @@ struct ParticlesFrame {  // in order of particle id, lost particles left out
   std::vector<float> velocity;   // [m/s] (n x 3)
   std::vector<float> spin;       // [rad/s] (n x 3)
   std::vector<float> radius;     // [m] (n)
+  // Number of contacts [-] and mean stress [Pa] of each sphere (n x 2); empty, and then not on the wire,
+  // without can_observe_contacts and where the scene does not ask for them.
+  std::vector<float> contacts = {};
+  static constexpr std::size_t contact_values = 2;
+  // For each triangle of the walls of output.wall_fields, wall by wall: sums since the start of the force of
+  // the spheres on it, axes of the world (3), of the normal and of the shear force [N s], the work of sliding
+  // friction, and the sum of wear coefficient times normal force times sliding distance [J] (m x 7). Empty,
+  // and then not on the wire, without can_observe_walls and where the scene does not ask for them.
+  std::vector<double> walls = {};
+  static constexpr std::size_t wall_values = 7;
+  // The contacts with spheres of the bodies of output.contacts: index of the body, -1 for the ground, id of
+  // the sphere, point [m], and force of the sphere on the body [N] (k x 8). Empty, and then not on the wire,
+  // without can_observe_contacts and where the scene does not ask for them.
+  std::vector<double> of_bodies = {};
+  static constexpr std::size_t of_bodies_values = 8;
 };
 
 struct Report {

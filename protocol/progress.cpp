@@ -64,4 +64,13 @@ void Progress::restore() {
   at_ = saved_;
 }
 
+bool Progress::use_snapshot(Nanoseconds time) {
+  if (snapshot_ == time) {
+    snapshot_.reset();
+    return true;
+  }
+  expect_now(time);
+  return false;
+}
+
 }  // namespace tandem::protocol

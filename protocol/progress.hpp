@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "common/time.hpp"
 
@@ -27,6 +28,11 @@ class Progress {
   void save();
   void restore();  // throws ProtocolError{not_allowed} before the first save
 
+  void take_snapshot() { snapshot_ = at_.now; }
+  // Whether a frame of `time` is that of the snapshot, which is then used up. Throws
+  // ProtocolError{wrong_time} if `time` is neither now nor that of a snapshot.
+  bool use_snapshot(Nanoseconds time);
+
  private:
   struct Mark {
     std::uint64_t window = 0;
@@ -35,6 +41,7 @@ class Progress {
   };
   Mark at_, saved_;
   bool has_saved_ = false;
+  std::optional<Nanoseconds> snapshot_;
 };
 
 }  // namespace tandem::protocol

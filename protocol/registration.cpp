@@ -36,6 +36,9 @@ std::string capability_names(std::uint64_t capabilities) {
   add(can_checkpoint, "can_checkpoint");
   add(can_observe_elements, "can_observe_elements");
   add(can_measure, "can_measure");
+  add(can_observe_contacts, "can_observe_contacts");
+  add(can_observe_walls, "can_observe_walls");
+  add(can_snapshot, "can_snapshot");
   if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
   return list.empty() ? "none" : list;
 }

@@ -195,16 +195,36 @@ const ParticlesFrame& Remote::observe_particles(Nanoseconds now) {
   return state_->particles_frame;
 }
 
-void Remote::observe_particles(Nanoseconds now, ParticlesFrame& into) {
+void Remote::observe_particles(Nanoseconds time, ParticlesFrame& into) {
+  receive_particles(time, into)(into);
+}
+
+Remote::ParticlesCheck Remote::receive_particles(Nanoseconds time, ParticlesFrame& into) {
   State& s = *state_;
-  s.link.vouch(Kind::observe, [&] { s.link.progress().expect_now(now); });
-  s.send(Kind::observe, now);
+  s.link.vouch(Kind::observe, [&] { s.link.progress().use_snapshot(time); });
+  s.send(Kind::observe, time);
   s.answer();
   s.link.read(into);
   s.link.check([&] {
-    s.link.progress().expect_now(into.time);
-    check_values(into);
+    if (into.time != time)
+      throw ProtocolError(Violation::wrong_time, "time is " + std::to_string(into.time.count) +
+                                                     " ns, asked was " + std::to_string(time.count) + " ns");
   });
+  return [where = s.link.place()](const ParticlesFrame& frame) {
+    try {
+      check_values(frame);
+    } catch (const ProtocolError& e) {
+      throw ProtocolError(e.violation(), e.problem(), where, e.hint());
+    }
+  };
+}
+
+void Remote::snapshot(Nanoseconds now) {
+  State& s = *state_;
+  s.link.vouch(Kind::snapshot, [&] { s.link.progress().expect_now(now); });
+  s.send(Kind::snapshot, now);
+  s.answer_nothing();
+  s.link.progress().take_snapshot();
 }
 
 void Remote::save() {

@@ -47,7 +47,14 @@ class Remote {
   const LoadSet& finish_load();
   const TangentSet& linearise();
   const ParticlesFrame& observe_particles(Nanoseconds now);
-  void observe_particles(Nanoseconds now, ParticlesFrame& into);
+  // `time`: now, or that of the last snapshot, whose frame is sent once.
+  void observe_particles(Nanoseconds time, ParticlesFrame& into);
+  // The same without the checks of the values, which the returned function makes: it may be called by another
+  // thread.
+  using ParticlesCheck = std::function<void(const ParticlesFrame&)>;
+  ParticlesCheck receive_particles(Nanoseconds time, ParticlesFrame& into);
+  // can_snapshot: the participant keeps the present frame, and prepares it while the next window is computed.
+  void snapshot(Nanoseconds now);
   // both
   void save();
   void restore();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "common/utf8.hpp"
@@ -84,8 +85,8 @@ class Player {
 
   void order() {
     const Kind kind = recorded_.header.kind;
-    // Neither changes the state, so that the rest can be compared without.
-    const bool cannot = kind == Kind::linearise && (capabilities_ & can_linearise) == 0;
+    // None of these changes the state, so that the rest can be compared without.
+    const bool cannot = !can_answer(kind);
     if (kind == Kind::checkpoint || cannot) {
       ++(cannot ? result_.not_possible : result_.not_repeated);
       skipped_ = true;
@@ -95,6 +96,16 @@ class Player {
     ordered_ = kind == Kind::welcome ? Kind{} : kind;
     ordered_window_ = recorded_.header.window;
     send(recorded_.header, payload_of(recorded_.frame));
+  }
+
+  bool can_answer(Kind kind) {
+    if (kind == Kind::linearise) return (capabilities_ & can_linearise) != 0;
+    if ((capabilities_ & can_snapshot) != 0 || (kind != Kind::snapshot && kind != Kind::observe)) return true;
+    Nanoseconds time;
+    decode(payload_of(recorded_.frame), time);
+    if (kind == Kind::observe) return time != missed_snapshot_;
+    missed_snapshot_ = time;
+    return false;
   }
 
   void send(FrameHeader header, std::span<const std::byte> payload) {
@@ -270,7 +281,8 @@ class Player {
   std::uint64_t sent_ = 0, received_ = 0;
   Kind ordered_{};  // without an answer so far
   std::uint64_t ordered_window_ = 0;
-  bool skipped_ = false;  // the last order
+  std::optional<Nanoseconds> missed_snapshot_;  // that the participant cannot take
+  bool skipped_ = false;                        // the last order
   bool over_ = false;
   ReplayResult result_;
 };

@@ -18,7 +18,7 @@ struct ReplayResult {
   std::size_t compared = 0;      // answers that are equal
   std::uint64_t windows = 0;     // number of windows that they are about
   std::size_t not_kept = 0;      // answers whose values the recording lacks
-  std::size_t not_possible = 0;  // orders to linearise, to a participant that cannot
+  std::size_t not_possible = 0;  // orders to linearise and of snapshots, to a participant that cannot
   std::size_t not_repeated = 0;  // orders to write a restart file, which would replace that of the run
   std::optional<std::string> difference;  // a sentence about the first
   std::optional<std::string> ending;      // a sentence where the recording does not end with the report

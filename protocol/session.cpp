@@ -112,6 +112,8 @@ const char* name(SessionState state) {
       return "resuming";
     case SessionState::observing:
       return "observing";
+    case SessionState::copying:
+      return "copying";
     case SessionState::finishing:
       return "finishing";
     case SessionState::ended:

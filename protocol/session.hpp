@@ -28,6 +28,7 @@ enum class SessionState : std::uint8_t {
   checkpointing,
   resuming,
   observing,
+  copying,
   finishing,
   ended,
 };
@@ -37,7 +38,8 @@ inline constexpr std::array all_states{
     SessionState::extrapolating, SessionState::controlling,   SessionState::moving,
     SessionState::loading,       SessionState::linearising,   SessionState::saving,
     SessionState::restoring,     SessionState::checkpointing, SessionState::resuming,
-    SessionState::observing,     SessionState::finishing,     SessionState::ended};
+    SessionState::observing,     SessionState::copying,       SessionState::finishing,
+    SessionState::ended};
 inline constexpr std::array all_kinds{
 #define MESSAGE(name, code, sender, meaning) Kind::name,
 #include "protocol/messages.def"

@@ -7,9 +7,11 @@
 // the world's.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -370,9 +372,10 @@ struct Mbd {
 
 struct Material {
   std::string name;
-  double density = 0;  // [kg/m3]
-  double young = 0;    // [Pa]
-  double poisson = 0;  // [-]
+  double density = 0;                   // [kg/m3]
+  double young = 0;                     // [Pa]
+  double poisson = 0;                   // [-]
+  std::optional<double> hardness = {};  // of a wall that wears [Pa]
 };
 
 // Properties of a contact between two materials, in either order. Every pair that can be in contact is given,
@@ -394,6 +397,7 @@ struct Pair {
   double cohesion_energy_density = 0;  // law `sjkr` [J/m3]
   double rolling_friction = 0;         // with `rolling` [-]
   double rolling_damping = 0;          // with `rolling`, share of the critical one [-]
+  double wear_coefficient = 0;         // of Archard's law; only output.wall_fields uses it [-]
 };
 
 enum class ContactLaw { hertz_mindlin, hertz_frictionless, paper, hooke, jkr, sjkr };
@@ -609,13 +613,15 @@ struct Outlet {
   std::variant<Box, HalfSpace> region;  // in the world
 };
 
-// A region of which the particle solver measures the spheres whose centre is in it: columns of sensors.csv.
+// What the particle solver measures: the spheres whose centre is in a region, or what the spheres do to a
+// wall. Columns of sensors.csv.
 struct ParticleSensor {
   std::string name;
   BodyId body = ground;  // with which the region moves
   Pose pose;             // of the shape's frame in the body's frame (ground: in the world)
   std::variant<BoxShape, CylinderShape> shape;
   std::optional<std::size_t> flow_axis;  // of the shape's frame: the direction of flow and passed
+  std::string wall = {};                 // name of the wall; empty: a region, which all else is of
 };
 
 // The spheres come to rest before the start, with all walls at rest.
@@ -657,12 +663,27 @@ struct Camera {
   double field_of_view = 40;
 };  // [m] [m] [-] [deg]
 
+// What frames have of the spheres besides position, velocity, spin and radius: a column for each.
+enum class SphereField { group, material, contact_count, mean_stress };
+inline constexpr std::array<std::string_view, 4> sphere_field_names{"group", "material", "contact_count",
+                                                                    "mean_stress"};
+
 struct Output {
   double frame_interval = 0;     // particle and body frames [s]; 0: first and last only
   bool particles = true;         // whether frames contain the spheres
   std::optional<Camera> camera;  // of the picture of the last frame; absent: chosen from the domain
   // Columns of the CSV files that the report draws, with * for any characters; empty: the report chooses.
   std::vector<std::string> plots = {};
+  std::vector<SphereField> fields = {};       // of the spheres in frames, each once
+  std::vector<std::string> wall_fields = {};  // walls whose triangles have fields in frames
+  std::vector<BodyId> contacts = {};          // bodies whose contacts with spheres are in frames
+  bool dissipation = false;                   // whether the summary has the energy that contacts dissipate
+
+  bool has(SphereField field) const { return std::ranges::find(fields, field) != fields.end(); }
+  // Whether frames have fields that only the particle solver knows.
+  bool needs_contacts() const { return has(SphereField::contact_count) || has(SphereField::mean_stress); }
+  // Whether contacts are evaluated for frames.
+  bool evaluates_contacts() const { return needs_contacts() || !contacts.empty(); }
 };
 
 // A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv, joints.csv or

@@ -4,10 +4,12 @@
 #include <initializer_list>
 
 #include "common/scene/document.hpp"
+#include "common/scene/nearest_name.hpp"
 #include "common/scene/parse_parts.hpp"
 #include "common/scene/plain_form.hpp"
 #include "common/scene/schema_check.hpp"
 #include "common/scene/shape_mesh.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -52,11 +54,25 @@ Coupling parse_coupling(const Node& node) {
   return coupling;
 }
 
-Output parse_output(const Node& node) {
+Output parse_output(const Node& node, const Names& bodies) {
   Output output;
   node.read("frame_interval", output.frame_interval);
   node.read("particles", output.particles);
   node.read("plots", output.plots);
+  if (node.has("fields"))
+    for (const std::string& field : node.value().at("fields").get<std::vector<std::string>>())
+      output.fields.push_back(static_cast<SphereField>(std::ranges::find(sphere_field_names, field) -
+                                                       sphere_field_names.begin()));
+  node.read("wall_fields", output.wall_fields);
+  node.read("dissipation", output.dissipation);
+  if (node.has("contacts"))
+    for (const std::string& name : node.value().at("contacts").get<std::vector<std::string>>()) {
+      const auto index = bodies.index(name);
+      if (!index && name != "ground")
+        node.fail("contacts", "unknown name '" + shortened(name) + "'",
+                  suggest_name(name, bodies.list(), "bodies"));
+      output.contacts.push_back(index ? BodyId{*index} : ground);
+    }
   if (node.has("camera")) {
     const Node camera = node.at("camera");
     output.camera.emplace();
@@ -114,7 +130,8 @@ Scene parse(const std::string& text, const std::string& origin) {
         if (shape.use == ShapeUse::contact) return scene.mbd->bodies[shape.body.value].from_shapes;
         return shape.is_of_body || is_made_of_facets(shape.geometry);
       });
-  if (root.has("output")) scene.output = parse_output(root.at("output"));
+  if (root.has("output"))
+    scene.output = parse_output(root.at("output"), scene.mbd ? root.at("mbd").names("bodies") : Names{});
   root.names("checks");
   for (const Node& check : root.elements("checks")) scene.checks.push_back(parse_check(check));
   return scene;

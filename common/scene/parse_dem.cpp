@@ -19,6 +19,7 @@ Material parse_material(const Node& node) {
   node.read("density", material.density);
   node.read("young", material.young);
   node.read("poisson", material.poisson);
+  node.read("hardness", material.hardness);
   return material;
 }
 
@@ -43,6 +44,18 @@ Outlet parse_outlet(const Node& node) {
 ParticleSensor parse_sensor(const Node& node, const Names& bodies) {
   ParticleSensor sensor;
   node.read("name", sensor.name);
+  if (node.has("wall") == node.has("shape"))
+    node.fail(
+        node.has("wall") ? "the sensor has a wall and a region" : "the sensor has neither 'shape' nor 'wall'",
+        "give 'shape', a region whose spheres are measured, or 'wall', the name of a wall");
+  if (node.has("wall")) {
+    node.read("wall", sensor.wall);
+    for (const char* key : {"body", "position", "orientation", "relative_to", "flow"})
+      if (node.has(key))
+        node.fail(std::string("'") + key + "' is of a region, and this is the sensor of a wall",
+                  "leave it out");
+    return sensor;
+  }
   sensor.body = read_body(node, "body", bodies);
   node.read("position", sensor.pose.p_WB);
   node.read("orientation", sensor.pose.q_WB);

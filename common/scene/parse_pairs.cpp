@@ -41,6 +41,7 @@ constexpr Constant constants[] = {
     {"cohesion_energy_density", &Pair::cohesion_energy_density, "cohesion_energy_density", geometric_mean},
     {"rolling_friction", &Pair::rolling_friction, "rolling_friction", geometric_mean},
     {"rolling_damping", &Pair::rolling_damping, "rolling_damping", geometric_mean},
+    {"wear_coefficient", &Pair::wear_coefficient, nullptr, nullptr},
 };
 
 struct Need {

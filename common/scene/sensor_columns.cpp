@@ -26,8 +26,12 @@ const char* unit(SensorChannel channel) {
 
 std::vector<SensorChannel> channels_of(const ParticleSensor& sensor) {
   std::vector<SensorChannel> channels;
-  const auto end = sensor.flow_axis ? SensorChannel::channels : SensorChannel::flow;
-  for (std::size_t c = 0; c < static_cast<std::size_t>(end); ++c)
+  const bool of_wall = !sensor.wall.empty();
+  const auto begin = of_wall ? SensorChannel::wall_force_x : SensorChannel::count;
+  const auto end = of_wall            ? SensorChannel::channels
+                   : sensor.flow_axis ? SensorChannel::wall_force_x
+                                      : SensorChannel::flow;
+  for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
     channels.push_back(static_cast<SensorChannel>(c));
   return channels;
 }

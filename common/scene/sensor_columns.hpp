@@ -1,4 +1,4 @@
-// What the sensors of a scene measure of its particles: the columns SENSOR.CHANNEL of sensors.csv.
+// What the sensors of a scene measure of its particles and walls: the columns SENSOR.CHANNEL of sensors.csv.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ enum class SensorChannel {
 const char* name(SensorChannel channel);
 const char* unit(SensorChannel channel);
 
-// Without flow and passed where the sensor has no axis of flow.
+// Those of a wall, or those of a region, without flow and passed where it has no axis of flow.
 std::vector<SensorChannel> channels_of(const ParticleSensor& sensor);
 
 // Without "time". The values travel in this order (protocol::LoadSet). Empty without any.

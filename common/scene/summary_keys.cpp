@@ -61,6 +61,8 @@ const Runs elements{[](const Scene& scene) { return !elements_of(scene).empty();
                     "scenes with forces, couplers or driven joints"};
 const Runs sensors{[](const Scene& scene) { return scene.dem && !scene.dem->sensors.empty(); },
                    "scenes with dem.sensors"};
+const Runs dissipation{[](const Scene& scene) { return scene.output.dissipation; },
+                       "scenes with output.dissipation"};
 const Runs adaptive{[](const Scene& scene) { return scene.coupling.adaptive.has_value(); },
                     "scenes with coupling.adaptive"};
 }  // namespace runs_of

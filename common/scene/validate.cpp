@@ -254,7 +254,13 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.mbd)
     for (std::size_t i = 0; i < scene.mbd->sensors.size(); ++i)
       validate_column(scene.mbd->sensors[i], scene, origin, element("mbd.sensors", i));
+  validate_dissipation(scene, origin);
+  validate_wall_fields(scene, origin);
+  validate_body_contacts(scene, origin);
   if (scene.output.camera) validate_camera(*scene.output.camera, origin);
+  if (!scene.output.fields.empty() && (!scene.dem || !scene.output.particles))
+    fail(origin, "output.fields", "are columns of the spheres in frames, and frames of this scene have none",
+         scene.dem ? "leave out output.fields, or write \"particles\": true" : "leave out output.fields");
   for (std::size_t i = 0; i < scene.output.plots.size(); ++i)
     validate_plot(scene.output.plots[i], scene, origin, element("output.plots", i));
   for (std::size_t i = 0; i < scene.checks.size(); ++i)

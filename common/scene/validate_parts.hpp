@@ -41,6 +41,9 @@ void validate_moving_domain(const Scene& scene, const std::string& origin);
 
 // Sensors of the particles.
 void validate_particle_sensors(const Scene& scene, const std::string& origin);
+void validate_body_contacts(const Scene& scene, const std::string& origin);
+void validate_dissipation(const Scene& scene, const std::string& origin);
+void validate_wall_fields(const Scene& scene, const std::string& origin);
 
 void require_unit(double length, const std::string& value, const std::string& unit_value,
                   const std::string& origin, const std::string& path);

@@ -4,7 +4,9 @@
 
 #include "common/geometry/triangle_mesh.hpp"
 #include "common/scene/element_columns.hpp"
+#include "common/scene/nearest_name.hpp"
 #include "common/scene/validate_parts.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 
@@ -196,6 +198,16 @@ bool names_something_else(const std::string& name, const Scene& scene) {
          std::ranges::any_of(elements_of(scene), is_it);
 }
 
+const Wall& require_wall(const std::string& name, const Dem& dem, const std::string& origin,
+                         const std::string& path) {
+  const auto found = std::ranges::find(dem.walls, name, &Wall::name);
+  if (found != dem.walls.end()) return *found;
+  std::vector<std::string> names;
+  for (const Wall& wall : dem.walls) names.push_back(wall.name);
+  fail(origin, path, "there is no wall '" + shortened(name) + "'",
+       names.empty() ? "the scene has no walls" : suggest_name(name, names, "walls"));
+}
+
 double bounding_radius(const ParticleSensor& sensor) {
   if (const auto* box = std::get_if<BoxShape>(&sensor.shape)) return 0.5 * norm(box->size);
   const auto& cylinder = std::get<CylinderShape>(sensor.shape);
@@ -209,12 +221,17 @@ void validate_particle_sensors(const Scene& scene, const std::string& origin) {
   for (std::size_t i = 0; i < dem.sensors.size(); ++i) {
     const ParticleSensor& sensor = dem.sensors[i];
     const std::string path = element("dem.sensors", i);
-    require_unit(sensor.pose.q_WB, origin, path + ".orientation");
     if (names_something_else(sensor.name, scene))
       fail(origin, path + ".name",
            "a body, joint, element or part of the results is called '" + sensor.name +
                "' as well, so that columns would be mixed up",
-           "give the sensor another name, such as '" + sensor.name + "_content'");
+           "give the sensor another name, such as '" + sensor.name +
+               (sensor.wall.empty() ? "_content'" : "_load'"));
+    if (!sensor.wall.empty()) {
+      require_wall(sensor.wall, dem, origin, path + ".wall");
+      continue;
+    }
+    require_unit(sensor.pose.q_WB, origin, path + ".orientation");
     if (std::holds_alternative<CylinderShape>(sensor.shape) && sensor.flow_axis && *sensor.flow_axis != 2)
       fail(origin, path + ".flow", "a cylinder has different lengths along x and y, so that no flow follows",
            "measure along its axis, z, or give a box");
@@ -233,6 +250,69 @@ void validate_particle_sensors(const Scene& scene, const std::string& origin) {
       fail(origin, path + ".position",
            "the region at " + text(sensor.pose.p_WB) + " lies outside dem.domain, where no sphere is",
            "move it into the domain");
+  }
+}
+
+void validate_dissipation(const Scene& scene, const std::string& origin) {
+  if (!scene.output.dissipation) return;
+  const std::string path = "output.dissipation";
+  if (!scene.dem) fail(origin, path, "is of contacts of spheres, and the scene has none", "leave it out");
+  const ContactLaw law = scene.dem->contact;
+  if (law != ContactLaw::hertz_mindlin && law != ContactLaw::hertz_frictionless && law != ContactLaw::hooke)
+    fail(origin, path,
+         "the contact law of the scene does not tell what its dampers or its adhesion dissipate",
+         "leave it out, or choose hertz_mindlin, hertz_frictionless or hooke");
+}
+
+void validate_body_contacts(const Scene& scene, const std::string& origin) {
+  if (scene.output.contacts.empty()) return;
+  if (!scene.dem || !scene.output.particles)
+    fail(origin, "output.contacts",
+         scene.dem ? "come with the spheres in frames, and frames of this scene have none"
+                   : "are contacts with spheres, and the scene has none",
+         scene.dem ? "leave it out, or write \"particles\": true" : "leave it out");
+  for (std::size_t i = 0; i < scene.output.contacts.size(); ++i) {
+    const BodyId body = scene.output.contacts[i];
+    const auto is_on_it = [&](const Wall& wall) { return wall.body == body; };
+    if (std::ranges::none_of(scene.dem->walls, is_on_it))
+      fail(origin, element("output.contacts", i),
+           "the body '" + scene.body_name(body) + "' carries no wall, so that spheres pass through it",
+           "leave it out, or give it a wall");
+  }
+}
+
+// A plane and a round wall are one surface for the contacts: what they have on each of their triangles in a
+// picture is not known.
+void validate_wall_fields(const Scene& scene, const std::string& origin) {
+  if (scene.output.wall_fields.empty()) return;
+  if (!scene.dem || !scene.output.particles)
+    fail(origin, "output.wall_fields",
+         scene.dem ? "come with the spheres in frames, and frames of this scene have none"
+                   : "are loads of spheres, and the scene has none",
+         scene.dem ? "leave it out, or write \"particles\": true" : "leave it out");
+  const Dem& dem = *scene.dem;
+  for (std::size_t i = 0; i < scene.output.wall_fields.size(); ++i) {
+    const std::string path = element("output.wall_fields", i);
+    const Wall& wall = require_wall(scene.output.wall_fields[i], dem, origin, path);
+    const auto* cylinder = std::get_if<CylinderShape>(&wall.shape);
+    if (cylinder ? !cylinder->segments
+                 : std::holds_alternative<PlaneShape>(wall.shape) ||
+                       std::holds_alternative<SphereShape>(wall.shape))
+      fail(origin, path,
+           "the wall '" + wall.name + "' is " +
+               (cylinder                                         ? "a round cylinder"
+                : std::holds_alternative<PlaneShape>(wall.shape) ? "a plane"
+                                                                 : "a sphere") +
+               ", one surface without triangles",
+           cylinder && cylinder->height ? "give its shape 'segments'" : "give a box or a mesh");
+    if (dem.materials[wall.material.value].hardness) continue;
+    for (const Pair& pair : dem.pairs)
+      if (pair.wear_coefficient > 0 && (pair.a == wall.material || pair.b == wall.material))
+        fail(origin, path,
+             "the material '" + dem.materials[wall.material.value].name + "' of the wall '" + wall.name +
+                 "' wears, with a wear_coefficient of " + text(pair.wear_coefficient) +
+                 ", and has no hardness",
+             "give the material 'hardness' [Pa], or leave the wear_coefficient out");
   }
 }
 

@@ -53,6 +53,10 @@ concept BackEnd = DeviceBuffer<typename E::template Buffer<std::uint32_t>> &&
   exec.upload(buffer, from);
   exec.download(buffer, to);
   exec.copy(buffer, buffer);
+  // mark() is called after a copy; download_marked() waits for the work before the last mark, and another
+  // thread may call it while loops run.
+  exec.mark();
+  exec.download_marked(buffer, to);
   exec.grow(buffer, size);
   exec.zero(buffer, size);
 

@@ -202,11 +202,15 @@ struct PairForces {
     const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
     const bool existed = neighbour.in_contact();
     if (!Law::in_contact(c, m.k, p.law, existed)) return false;
-    r.spring = spring(k, neighbour);
+    const Vec3<Real> before = spring(k, neighbour);
+    r.spring = before;
     const ContactForce<Real> f = Law{}(c, m.k, p.law, r.spring);
     r = result_of(c, f, r.spring);
     moment = rolling_moment(view, c, f, extension, m.k.friction, m.w - m.other_w,
                             list.rolling == nullptr ? nullptr : list.rolling + k, existed);
+    if (view.dissipation.any())
+      add_dissipation(view.dissipation, i, view.dissipation.of_pair, c, f, before, r.spring, moment,
+                      m.w - m.other_w);
     return true;
   }
 };

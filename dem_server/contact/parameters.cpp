@@ -214,7 +214,8 @@ std::vector<PairExtras<Real>> make_pair_extras(const scene::Scene& scene) {
                                                                             : 0;
     const PairExtras<Real> e{
         static_cast<Real>(adhesion),
-        {static_cast<Real>(pair.rolling_friction), static_cast<Real>(pair.rolling_damping)}};
+        {static_cast<Real>(pair.rolling_friction), static_cast<Real>(pair.rolling_damping)},
+        static_cast<Real>(pair.wear_coefficient)};
     extras[pair.a.value * max_materials + pair.b.value] = e;
     extras[pair.b.value * max_materials + pair.a.value] = e;
   }

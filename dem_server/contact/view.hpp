@@ -4,9 +4,11 @@
 
 #include <cstdint>
 
+#include "dem_server/contact/dissipation.hpp"
 #include "dem_server/contact/lists.hpp"
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/contact/rebuild_arrays.hpp"
+#include "dem_server/contact/wall_sums.hpp"
 #include "particles/geometry/path.hpp"
 #include "particles/geometry/surface.hpp"
 #include "particles/state/sphere_arrays.hpp"
@@ -38,6 +40,8 @@ struct View {
   SurfaceView surface;
   const BodyPose* pose = nullptr;  // (steps x bodies)
   BeltsView belts;
+  WallSumsView wall_sums;
+  DissipationView dissipation;
   // Force and torque on each body in quanta (steps x (bodies + 1) x 6). Row `bodies` of a step records the
   // spheres that left the domain: as force their momentum; as torque x their mass times the micro steps that
   // they stayed in this window.

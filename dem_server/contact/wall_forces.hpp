@@ -162,6 +162,21 @@ struct WallForces {
     add_shared(view.belts.pull + place_of(m), to_fixed(-along, view.parameters.force));
   }
 
+  // Sliding is the part of the displacement that the spring does not keep. Walls wear where they are pressed.
+  TANDEM_HD void add_to_sums(const WallContact& wall, const Contact<Real>& c, const ContactForce<Real>& f,
+                             Vec3d on_sphere, Vec3<Real> spring_before, Vec3<Real> spring, Real wear) const {
+    const Vec3<Real> slid =
+        rotate_spring(spring_before, c, f.previous_stiffness2, f.current_stiffness2) + c.dt * c.slip - spring;
+    const double normal = static_cast<double>(f.normal);
+    WallContribution add;
+    add.force = -on_sphere;
+    add.normal = normal;
+    add.shear = static_cast<double>(norm(f.tangential));
+    add.friction_work = -static_cast<double>(dot(f.tangential, slid));
+    if (normal > 0) add.wear = static_cast<double>(wear) * normal * static_cast<double>(norm(slid));
+    add_to_walls(view.wall_sums, wall.facet, add);
+  }
+
   template <class Tally>
   TANDEM_HD WallForce<Real> force_of(const SphereNearBody& m, const WallContact& wall, Tally& tally) const {
     const Parameters<Real>& p = view.parameters;
@@ -193,11 +208,13 @@ struct WallForces {
     const Coefficients<Real>& k = fit.k;
     [[maybe_unused]] Extension<Real> extension;
     [[maybe_unused]] bool existed = false;
+    [[maybe_unused]] Vec3<Real> spring_before;
     if constexpr (Law::extended) {
       extension = extend_at_wall(view, contact, p.material(m.kind()), radius,
                                  view.surface.patches[wall.patch].material, fit.r_eff);
       existed = history->stamp == now.stamp - 1;
       if (!Law::in_contact(contact, k, p.law, existed)) return {};
+      if (existed) spring_before = history->spring;
     }
     const ContactForce<Real> f = contact_force<Law>(contact, k, p.law, history, now.stamp);
     const Vec3d exact = (f.normal * contact.n + f.tangential).template as<double>();
@@ -211,6 +228,8 @@ struct WallForces {
     }
     Vec3d moment = cross(arm_body, -on_sphere.force);
     if constexpr (Law::extended) {
+      if (view.wall_sums.any())
+        add_to_sums(wall, contact, f, on_sphere.force, spring_before, history->spring, extension.pair.wear);
       const Vec3<Real> rate = m.spin.w - body_spin;
       RollingSpring<Real>* rolling =
           m.list.rolling == nullptr ? nullptr : m.list.rolling + (history - m.list.history);
@@ -218,6 +237,9 @@ struct WallForces {
           rolling_moment(view, contact, f, extension, k.friction, rate, rolling, existed);
       on_sphere.torque += rolling_torque;
       moment -= rolling_torque.template as<double>();
+      if (view.dissipation.any())
+        add_dissipation(view.dissipation, m.near.sphere, 2, contact, f, spring_before, history->spring,
+                        rolling_torque, rate);
     }
     tally.add_load(m.near.body, -on_sphere.force, moment, p.force, p.torque);
     tally.observe_overlap(static_cast<float>(contact.overlap * k.curvature));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kind = "tandem particle state";
 // Version of the contents. It must be raised with every change of the state that an engine keeps.
-constexpr std::uint64_t version = 12;
+constexpr std::uint64_t version = 13;
 
 // A state belongs to its back end, because lists differ: a GPU stores a pair twice.
 std::string name_of(Backend backend) {

@@ -14,6 +14,7 @@
 #include "common/scene/plain_text.hpp"
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/coupling/load_solver.hpp"
+#include "dem_server/engine/wall_rows.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "particles/base/memory.hpp"
 #include "particles/grid/size_levels.hpp"
@@ -66,7 +67,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     throw Error(ErrorCode::scene, "no sphere is there at the start, and none comes in before end_time",
                 "dem.particles", "add a group, or let an inlet start earlier");
   // This check comes before all work that takes time.
-  if (const std::uint64_t size = protocol::size_of_particles_frame(spheres_);
+  if (const std::uint64_t size = protocol::size_of_particles_frame(spheres_, scene_.output.needs_contacts());
       scene_.output.particles && size > protocol::max_payload)
     throw Error(
         ErrorCode::resource,
@@ -115,7 +116,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   memory_.belts = belts_.nothing_seen();
   std::vector<BodyId> with_walls;
   for (const BoundaryBody& body : bodies_) with_walls.push_back(body.body);
-  sensors_ = Sensors(scene_, with_walls);
+  sensors_ = Sensors(scene_, with_walls, plan_wall_rows(scene_, surface_).of_sensor);
   memory_.sensors = sensors_.nothing_seen();
 
   choice_ = choose_engine(scene_, choose_backend(configuration.backend));
@@ -133,7 +134,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
             choice_.backend == Backend::cuda ? "cuda" : "cpu", device, choice_.variant, step_taken(),
             static_cast<double>(engine_->memory_bytes()) / 1e6);
   if (choice_.generic_fallback && !scene_.dem->force_generic)
-    log::info("no special variant for this law, precision and domain: the generic one runs");
+    log::info("no special variant for this law, precision, domain and outputs: the generic one runs");
   for (const std::string& what : choice_.left_out) log::info("left out: {}", what);
 
   protocol::DemFacts facts;
@@ -175,7 +176,7 @@ std::vector<double> Solver::measure_at_start() {
     }
     poses_.push_back(pose);
   }
-  return sensors_.measure(*engine_, poses_, 0, memory_.sensors);
+  return sensors_.measure(*engine_, poses_, 0, {}, memory_.sensors);
 }
 
 std::string Solver::precision_name() const {
@@ -185,9 +186,11 @@ std::string Solver::precision_name() const {
 // Checks the memory of the engine before anything is allocated.
 std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   const scene::Coupling& how = scene_.coupling;
-  const bool taken_back = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
+  // The copy for a window that is taken back. The frame at the start needs one too, where it has contacts.
+  const bool with_copy = (scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit)) ||
+                         scene_.output.evaluates_contacts();
   MemoryNeed need;
-  need.bytes = predicted_bytes(choice_, setup, taken_back);
+  need.bytes = predicted_bytes(choice_, setup, with_copy);
   need.spheres = spheres_ - setup.spheres.waiting;
   need.cells = cells;
   need.where = choice_.backend == Backend::cuda ? "device" : "host";
@@ -195,13 +198,13 @@ std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
   if (need.bytes > available) {
     EngineSetup one_step = setup;
     one_step.steps = 1;
-    need.window = need.bytes - predicted_bytes(choice_, one_step, taken_back);
+    need.window = need.bytes - predicted_bytes(choice_, one_step, with_copy);
   }
   expect_memory(need, available);
   if (setup.spheres.waiting == 0) return need.bytes;
   EngineSetup at_once = setup;
   at_once.indices = spheres_;
-  need.bytes = predicted_bytes(choice_, at_once, taken_back);
+  need.bytes = predicted_bytes(choice_, at_once, with_copy);
   if (need.bytes > available)
     warn(fmt::format(
         "with all {} spheres of its inlets there at once the run would need {:.4g} GB of {} memory, and "

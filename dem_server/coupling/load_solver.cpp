@@ -9,6 +9,7 @@
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/log.hpp"
+#include "dem_server/contact/dissipation.hpp"
 #include "dem_server/coupling/history.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "dem_server/coupling/state_hash.hpp"
@@ -82,7 +83,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   if (sensors_.any()) {
     poses_.clear();
     for (const PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, 1));
-    loads_.sensors = sensors_.measure(*engine_, poses_, length, memory_.sensors);
+    loads_.sensors = sensors_.measure(*engine_, poses_, length, outcome.wall_means, memory_.sensors);
   }
   memory_.now = motion.window.end;
   memory_.micro_steps += plan_.steps;
@@ -234,12 +235,7 @@ protocol::BodyLoad Solver::load_of(std::size_t body, double length, const Window
 const protocol::TangentSet& Solver::linearise() {
   const Clock::time_point begin = Clock::now();
   const double cpu_begin = cpu_seconds(CpuClock::process);
-  poses_.clear();
-  for (std::size_t b = 0; b < memory_.bodies.size(); ++b) {
-    const LastMotion& last = memory_.bodies[b];
-    poses_.push_back({last.pose.p_WB, last.pose.q_WB.matrix(), last.twist.v_WB, last.twist.w_WB});
-    if (belts_.any()) add_belt(poses_.back(), belts_.velocity(b, to_seconds(memory_.now)));
-  }
+  set_last_poses();
   tangents_.time = memory_.now;
   tangents_.bodies = body_tangents(engine_->wall_tangents(poses_), surface_.boundary_bodies);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
@@ -247,17 +243,88 @@ const protocol::TangentSet& Solver::linearise() {
   return tangents_;
 }
 
+void Solver::set_last_poses() {
+  poses_.clear();
+  for (std::size_t b = 0; b < memory_.bodies.size(); ++b) {
+    LastMotion last = memory_.bodies[b];
+    if (last.known == 0 && bodies_[b].body != ground) {
+      const scene::Body& body = scene_.mbd->bodies[bodies_[b].body.value];
+      last.pose = body.pose;
+      last.twist = body.twist;
+    }
+    poses_.push_back({last.pose.p_WB, last.pose.q_WB.matrix(), last.twist.v_WB, last.twist.w_WB});
+    if (belts_.any()) add_belt(poses_.back(), belts_.velocity(b, to_seconds(memory_.now)));
+  }
+}
+
+std::vector<float> Solver::contacts_of_spheres() {
+  set_last_poses();
+  ContactsFrame found;
+  engine_->download({poses_, step_taken()}, found);
+  std::vector<float> values;
+  values.reserve(protocol::ParticlesFrame::contact_values * found.count.size());
+  for (std::size_t i = 0; i < found.count.size(); ++i) {
+    values.push_back(static_cast<float>(found.count[i]));
+    values.push_back(static_cast<float>(found.mean_stress[i]));
+  }
+  return values;
+}
+
+namespace {
+
+// Fills the arrays of `frame`, in their memory.
+void fill_spheres(protocol::ParticlesFrame& frame, const auto& download) {
+  SphereFrame spheres{std::move(frame.id), std::move(frame.position), std::move(frame.velocity),
+                      std::move(frame.spin), std::move(frame.radius)};
+  download(spheres);
+  frame.id = std::move(spheres.id);
+  frame.position = std::move(spheres.position);
+  frame.velocity = std::move(spheres.velocity);
+  frame.spin = std::move(spheres.spin);
+  frame.radius = std::move(spheres.radius);
+}
+
+}  // namespace
+
+std::vector<double> Solver::contacts_of_bodies() {
+  set_last_poses();
+  std::vector<std::uint8_t> wanted;
+  for (const BoundaryBody& boundary : bodies_)
+    wanted.push_back(std::ranges::find(scene_.output.contacts, boundary.body) !=
+                     scene_.output.contacts.end());
+  std::vector<double> values;
+  for (const BodyContact& contact : engine_->body_contacts({poses_, step_taken()}, wanted)) {
+    const BodyId body = bodies_[contact.body].body;
+    const Vec3d p = contact.point, f = contact.force;
+    const double index = body == ground ? -1.0 : body.value;
+    values.insert(values.end(), {index, static_cast<double>(contact.sphere), p.x, p.y, p.z, f.x, f.y, f.z});
+  }
+  return values;
+}
+
 const protocol::ParticlesFrame& Solver::observe() {
-  SphereFrame spheres{std::move(frame_.id), std::move(frame_.position), std::move(frame_.velocity),
-                      std::move(frame_.spin), std::move(frame_.radius)};
-  engine_->download(spheres);
-  frame_ = {memory_.now,
-            std::move(spheres.id),
-            std::move(spheres.position),
-            std::move(spheres.velocity),
-            std::move(spheres.spin),
-            std::move(spheres.radius)};
+  fill_spheres(frame_, [&](SphereFrame& spheres) { engine_->download(spheres); });
+  frame_.time = memory_.now;
+  observe_contacts(frame_);
   return frame_;
+}
+
+// What is evaluated only where the scene asks for it.
+void Solver::observe_contacts(protocol::ParticlesFrame& frame) {
+  if (scene_.output.needs_contacts()) frame.contacts = contacts_of_spheres();
+  if (!scene_.output.contacts.empty()) frame.of_bodies = contacts_of_bodies();
+  if (!scene_.output.wall_fields.empty()) frame.walls = engine_->wall_fields();
+}
+
+void Solver::snapshot() {
+  engine_->snapshot();
+  snapshot_.time = memory_.now;
+  observe_contacts(snapshot_);
+}
+
+const protocol::ParticlesFrame& Solver::read_snapshot() {
+  fill_spheres(snapshot_, [&](SphereFrame& spheres) { engine_->read_snapshot(spheres); });
+  return snapshot_;
 }
 
 void Solver::save() {
@@ -292,6 +359,10 @@ protocol::Report Solver::report() {
   std::vector<std::string>& warnings = facts.warnings.emplace(warnings_);
   for (const std::string& sentence : watch_.warnings(memory_.limits)) warnings.push_back(sentence);
   for (const std::string& sentence : sensors_.warnings(memory_.sensors)) warnings.push_back(sentence);
+  if (const std::vector<double> energy = engine_->dissipated(); !energy.empty())
+    others["dem_dissipated_J"] = {{"normal_damping", energy[by_normal_damping]},
+                                  {"friction", energy[by_friction]},
+                                  {"rolling", energy[by_rolling]}};
   traffic_.report(memory_.traffic, facts, others);
   belts_.report(memory_.belts, others);
   if (memory_.lost_reported > 0)

@@ -24,6 +24,8 @@ class Solver final : public protocol::LoadSolver {
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
   const protocol::TangentSet& linearise() override;
   const protocol::ParticlesFrame& observe() override;
+  void snapshot() override;
+  const protocol::ParticlesFrame& read_snapshot() override;
   void save() override;
   void restore() override;
   void checkpoint(const protocol::Checkpoint& file) override;
@@ -31,7 +33,8 @@ class Solver final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return LoadSolver::capabilities() | protocol::can_linearise | protocol::can_checkpoint |
-           protocol::can_measure;
+           protocol::can_measure | protocol::can_observe_contacts | protocol::can_observe_walls |
+           protocol::can_snapshot;
   }
 
  private:
@@ -81,6 +84,11 @@ class Solver final : public protocol::LoadSolver {
   double farthest_contact(Vec3d origin) const;
   void set_paths(const protocol::MotionSet& motion);
   std::vector<double> measure_at_start();
+  // Sets poses_ to those at the end of the last window, or of the scene before the first one.
+  void set_last_poses();
+  std::vector<float> contacts_of_spheres();
+  void observe_contacts(protocol::ParticlesFrame& frame);
+  std::vector<double> contacts_of_bodies();
   void record_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t body, double length, const WindowOutcome& outcome) const;
 
@@ -107,7 +115,7 @@ class Solver final : public protocol::LoadSolver {
   std::vector<BodyPose> poses_;  // of bodies_, between two windows
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
-  protocol::ParticlesFrame frame_;
+  protocol::ParticlesFrame frame_, snapshot_;
 };
 
 }  // namespace tandem::dem

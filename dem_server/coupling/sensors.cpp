@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/scene/sensor_columns.hpp"
+#include "dem_server/contact/wall_sums.hpp"
 
 namespace tandem::dem {
 namespace {
@@ -39,8 +40,14 @@ bool Sensors::Seen::is_possible() const {
   return std::isfinite(flow) && std::isfinite(passed) && longest_way >= 0 && std::isfinite(longest_way);
 }
 
-Sensors::Sensors(const scene::Scene& scene, std::span<const BodyId> bodies) {
+Sensors::Sensors(const scene::Scene& scene, std::span<const BodyId> bodies,
+                 std::span<const std::uint32_t> wall_rows) {
   for (const scene::ParticleSensor& of : scene.dem->sensors) {
+    if (!of.wall.empty()) {
+      sensors_.push_back({.of = of, .row = wall_rows.front()});
+      wall_rows = wall_rows.subspan(1);
+      continue;
+    }
     const auto found = std::ranges::find(bodies, of.body);
     sensors_.push_back({of, static_cast<std::size_t>(found - bodies.begin()), of.body == ground});
   }
@@ -61,16 +68,24 @@ std::vector<std::string> Sensors::warnings(const std::vector<Seen>& seen) const 
 }
 
 const std::vector<double>& Sensors::measure(Engine& engine, std::span<const BodyPose> poses, double length,
-                                            std::vector<Seen>& seen) {
+                                            std::span<const double> wall_means, std::vector<Seen>& seen) {
   const BodyPose at_origin{.p = {}, .R = Quat{}.matrix(), .v = {}, .w = {}};
   regions_.clear();
   for (const Sensor& sensor : sensors_)
-    regions_.push_back(region_of(sensor.of, sensor.fixed ? at_origin : poses[sensor.body]));
-  const std::vector<RegionSums>& sums = engine.measure(regions_);
+    if (sensor.of.wall.empty())
+      regions_.push_back(region_of(sensor.of, sensor.fixed ? at_origin : poses[sensor.body]));
+  const std::vector<RegionSums> none;
+  const std::vector<RegionSums>& sums = regions_.empty() ? none : engine.measure(regions_);
+  std::size_t region = 0;
   values_.clear();
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
     const scene::ParticleSensor& sensor = sensors_[k].of;
-    const RegionSums& sum = sums[k];
+    if (!sensor.wall.empty()) {
+      for (std::size_t c = wall_force_x; c <= wall_friction_work; ++c)
+        values_.push_back(wall_means.empty() ? 0 : wall_means[sensors_[k].row * wall_sum_count + c]);
+      continue;
+    }
+    const RegionSums& sum = sums[region++];
     for (const double value :
          {static_cast<double>(sum.count), sum.mass, sum.volume, sum.volume / scene::volume_of(sensor),
           sum.moment.x, sum.moment.y, sum.moment.z, sum.momentum.x, sum.momentum.y, sum.momentum.z,

@@ -10,6 +10,7 @@
 
 #include "dem_server/contact/view.hpp"
 #include "dem_server/engine/contact_tangent.hpp"
+#include "dem_server/engine/sphere_contacts.hpp"
 #include "particles/geometry/path.hpp"
 
 namespace tandem::dem {
@@ -59,6 +60,31 @@ struct SphereBuffers {
     v.fine = fine.data();
     v.id = id.data();
     return v;
+  }
+};
+
+// One side of the above, kept for a frame that is read while the spheres move on.
+template <class Exec, class Real>
+struct SnapshotBuffers {
+  typename Exec::template Buffer<PositionRadius<Real>> position;
+  typename Exec::template Buffer<VelocityKind<Real>> velocity;
+  typename Exec::template Buffer<Spin<Real>> spin;
+  typename Exec::template Buffer<FinePart<Real>> fine;
+  typename Exec::template Buffer<std::uint32_t> id;
+
+  // Calls f(array, copy of it) for each array.
+  template <class F>
+  void for_each(SphereBuffers<Exec, Real>& now, std::uint32_t side, const Needs& needs, F f) {
+    f(now.position[side], position), f(now.velocity[side], velocity);
+    if constexpr (has_fine_part<Real>) f(now.fine, fine);
+    if (needs.tangential)
+      f(now.spin[side], spin);
+    else
+      f(now.id, id);
+  }
+  template <class F>
+  void for_each(F f) const {
+    f(position), f(velocity), f(spin), f(fine), f(id);
   }
 };
 
@@ -239,6 +265,21 @@ struct WindowBuffers {
   template <class F>
   void for_each(F f) const {
     f(paths), f(pose), f(load), f(totals), f(belt_velocity), f(belt_pull);
+  }
+};
+
+// Contacts of the spheres, for frames that have them (engine/contact_fields.hpp).
+template <class Exec, class Real>
+struct ContactFieldBuffers {
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+
+  Buffer<PairNormalForce<Real>> of_pair;
+  Buffer<SphereContacts> of_sphere;
+  Buffer<BodyPose> pose;
+  template <class F>
+  void for_each(F f) const {
+    f(of_pair), f(of_sphere), f(pose);
   }
 };
 

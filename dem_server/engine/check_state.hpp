@@ -48,6 +48,10 @@ struct StateCheck {
     check_spheres();
     check_pairs();
     check_walls();
+    for (const double sum : values_of(now.wall_sums, now.wall_sums.size()))
+      expect_sound(std::isfinite(sum), "wall_sums", "a sum is not finite");
+    for (const double sum : values_of(now.dissipated, now.dissipated.size()))
+      expect_sound(std::isfinite(sum), "dissipated", "a sum is not finite");
     const Totals& b = now.totals;
     expect_sound(is_finite(b.momentum) && std::isfinite(b.mass) && std::isfinite(b.kinetic_energy), "totals",
                  "a sum is not finite");

@@ -70,6 +70,9 @@ struct WindowOutcome {
   // step (steps x bodies) [N].
   std::vector<double> belt_pull;
   Totals begin, end;
+  // Where walls have sensors: on each of those walls, sums over the window divided by its length
+  // (rows x wall_sum_count) [N] [W].
+  std::vector<double> wall_means;
   double max_overlap_ratio = 0;  // in this window [-]
   double max_speed = 0;          // bound of the spheres' speed in this window [m/s]
   double skin = 0;               // of the last list, including the range of adhesion [m]
@@ -136,6 +139,24 @@ struct SphereFrame {
   std::vector<float> radius;     // [m]
 };
 
+// What the contacts of the spheres are evaluated with for a frame (engine/contact_fields.hpp).
+struct ContactsRequest {
+  std::span<const BodyPose> poses;  // of the bodies now, one per body
+  double dt = 0;                    // micro step [s]
+};
+// Contacts of the spheres, in order of id.
+struct ContactsFrame {
+  std::vector<std::uint32_t> count;  // with spheres and walls
+  std::vector<double> mean_stress;   // see SphereContacts [Pa]
+};
+
+// A contact of a sphere with the walls of a body.
+struct BodyContact {
+  std::uint32_t body = 0, sphere = 0;  // boundary body index, id
+  Vec3d point;                         // of the wall [m]
+  Vec3d force;                         // of the sphere on the body [N]
+};
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -159,12 +180,29 @@ class Engine {
                                                      std::span<const BodyPose> poses) = 0;
   // To be called between two windows; the state does not change.
   virtual const std::vector<RegionSums>& measure(std::span<const MeasuredRegion> regions) = 0;
+  // Sums since the start on each triangle of the walls with fields (rows x wall_sum_count) [N s] [J], in the
+  // order of engine/wall_rows.hpp.
+  virtual const std::vector<double>& wall_fields() = 0;
+  // Energy that contacts have dissipated since the start, by enum Dissipation [J]; empty where the scene does
+  // not ask for it.
+  virtual std::vector<double> dissipated() = 0;
   // The speed beyond which a sphere ends a run with micro steps of `dt` [s] [m/s].
   virtual double speed_limit(double dt) const = 0;
   // The present spheres in order of id, without those that left the domain.
   virtual void download(Spheres& spheres) = 0;
   // The same in the form of a frame, in which they are sent.
   virtual void download(SphereFrame& frame) = 0;
+  // Keeps those that download() would return now. read_snapshot() returns them and may be called by another
+  // thread during advance().
+  virtual void snapshot() = 0;
+  virtual void read_snapshot(SphereFrame& frame) = 0;
+  // The contacts of the same spheres, with the forces of the micro step that comes next. The state stays as
+  // it is.
+  virtual void download(const ContactsRequest& request, ContactsFrame& frame) = 0;
+  // The contacts of the bodies for which `wanted` is not 0, one value per body, in order of body and sphere,
+  // with the forces of the micro step that comes next.
+  virtual std::vector<BodyContact> body_contacts(const ContactsRequest& request,
+                                                 std::span<const std::uint8_t> wanted) = 0;
   virtual std::size_t memory_bytes() const = 0;
   // The number of blocks of a GPU that keep the spheres in shared memory
   // (backend/cuda/resident/resident.cuh). 0: no window has been done yet, or steps go through global memory.

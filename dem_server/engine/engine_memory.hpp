@@ -11,6 +11,7 @@
 #include "dem_server/engine/account.hpp"
 #include "dem_server/engine/engine_state.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
+#include "dem_server/engine/wall_rows.hpp"
 #include "dem_server/neighbours/build.hpp"
 
 namespace tandem::dem {
@@ -23,8 +24,9 @@ struct EngineMemory {
 
   Needs needs;
   SizeLevels size_levels;
-  std::uint32_t bodies = 0;       // with walls, including the ground
-  bool belts = false;             // some of them are belts
+  std::uint32_t bodies = 0;  // with walls, including the ground
+  bool belts = false;        // some of them are belts
+  bool has_contact_fields = false;
   std::uint32_t all_spheres = 0;  // present and waiting ones
   std::uint32_t n = 0;            // indices for spheres in use, see WindowProgress::indices
 
@@ -33,10 +35,16 @@ struct EngineMemory {
   ClosePairBuffers<Exec, Real> close;
   Buffer<WallForce<Real>> wall_force;
   TangentBuffers<Exec> tangents;
+  ContactFieldBuffers<Exec, Real> contact_fields;  // empty unless frames have them
+  SnapshotBuffers<Exec, Real> snapshot;            // empty unless frames have the spheres
   WindowBuffers<Exec> window;
   SurfaceBuffers<Exec> surface;
   Buffer<PairExtras<Real>> extras;
   Buffer<CoarseLevel> coarse;
+  Buffer<WallRows> wall_rows;        // of each facet; empty where nothing is summed
+  Buffer<std::int64_t> wall_window;  // sums of the window
+  std::uint32_t walls_with_sensors = 0;
+  Buffer<std::int64_t> dissipation_window;  // empty where nothing is summed
 
   // `p` must be the parameters of the same scene.
   EngineMemory(Exec& exec, const EngineSetup& setup, const Parameters<Real>& p)
@@ -44,6 +52,7 @@ struct EngineMemory {
               Exec::pairs_once},
         bodies(static_cast<std::uint32_t>(setup.surface.grids.size())),
         belts(setup.surface.has_belts()),
+        has_contact_fields(setup.scene.output.needs_contacts()),
         all_spheres(static_cast<std::uint32_t>(setup.spheres.size())) {
     // The largest skin includes the range of adhesion; only the remainder is for travel.
     size_levels = make_size_levels(setup.scene.dem->domain, p.periods, setup.spheres.radius, setup.skins,
@@ -53,6 +62,16 @@ struct EngineMemory {
     if constexpr (Law::extended) {
       const std::vector<PairExtras<Real>> of_pairs = make_pair_extras<Real>(setup.scene);
       exec.upload(extras, std::span<const PairExtras<Real>>(of_pairs));
+    }
+    if (const WallRowPlan plan = plan_wall_rows(setup.scene, setup.surface); plan.rows > 0) {
+      exec.upload(wall_rows, std::span<const WallRows>(plan.of_facet));
+      wall_window.resize(std::size_t{plan.rows} * wall_sum_count);
+      now.wall_sums.resize(wall_window.size());
+      walls_with_sensors = plan.walls;
+    }
+    if (setup.scene.output.dissipation) {
+      dissipation_window.resize(std::size_t{dissipation_slots} * dissipation_count);
+      now.dissipated.resize(dissipation_count);
     }
     now.window.resize(1);
     window.totals.resize(total_count);
@@ -67,6 +86,10 @@ struct EngineMemory {
     grow_near(exec, static_cast<std::size_t>(setup.walls * n) + 64);
     grow_carried(contacts);
     window.grow(setup.steps, bodies, belts);
+    if (has_contact_fields) contact_fields.pose.resize(bodies);
+    // Later it grows with the next snapshot only, because another thread may be reading it.
+    if (setup.scene.output.particles)
+      snapshot.for_each(now.spheres, 0, needs, [](const auto& from, auto& to) { to.resize(from.size()); });
     if (has_bodies()) {
       tangents.of_run.resize(std::size_t{tangent_runs} * bodies);
       tangents.sum.resize(bodies);
@@ -97,10 +120,12 @@ struct EngineMemory {
       exec.grow(rebuild.coarse_index, n);
     }
     grow_pairs(exec, 0);
+    if (has_contact_fields) contact_fields.of_sphere.resize(n);
   }
   void grow_pairs(Exec& exec, std::size_t entries) {
     now.lists.grow_pairs(exec, entries + Exec::read_ahead, needs);
     if (needs.pairs_once) close.resize(now.lists.mirror.size(), n, needs);
+    if (has_contact_fields) contact_fields.of_pair.resize(now.lists.pairs.entry.size());
   }
   void grow_near(Exec& exec, std::size_t pairs) {
     exec.grow(now.lists.near, pairs);
@@ -161,6 +186,9 @@ struct EngineMemory {
     view.extras = extras.data();
     view.surface = surface.view(bodies);
     if (belts) view.belts = {window.belt_velocity.data(), window.belt_pull.data()};
+    if (wall_rows.size() > 0) view.wall_sums.rows = wall_rows.data(), view.wall_sums.sum = wall_window.data();
+    view.dissipation.sum = data_or_none(dissipation_window);
+    view.dissipation.of_pair = Exec::pairs_once ? 2 : 1;
     view.pose = window.pose.data();
     view.load = window.load.data();
     view.totals = window.totals.data();
@@ -175,11 +203,16 @@ struct EngineMemory {
     rebuild.for_each(add);
     close.for_each(add);
     tangents.for_each(add);
+    contact_fields.for_each(add);
+    snapshot.for_each(add);
     window.for_each(add);
     surface.for_each(add);
     add(wall_force);
     add(extras);
     add(coarse);
+    add(wall_rows);
+    add(wall_window);
+    add(dissipation_window);
     if constexpr (Exec::on_host)
       sum += window.load.size() * sizeof(std::int64_t) + window.pose.size() * sizeof(Wrench);
     return sum;

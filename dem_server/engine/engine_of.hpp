@@ -7,7 +7,9 @@
 //
 // Exec runs the loops over spheres (backend/concept.hpp). engine/engine_memory.hpp allocates the arrays.
 // engine/engine_spheres.hpp has the members for single spheres, engine/engine_tangents.hpp those for the
-// tangents of contacts with bodies.
+// tangents of contacts with bodies, engine/engine_contacts.hpp those for the contacts of spheres in frames,
+// engine/engine_sums.hpp those for the sums of walls and of
+// dissipated energy.
 #pragma once
 
 #include <algorithm>
@@ -49,9 +51,16 @@ class EngineOf final : public Engine {
   std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
                                              std::span<const BodyPose> poses) override;
   const std::vector<RegionSums>& measure(std::span<const MeasuredRegion> regions) override;
+  const std::vector<double>& wall_fields() override;
+  std::vector<double> dissipated() override;
   double speed_limit(double dt) const override;
   void download(Spheres& spheres) override;
   void download(SphereFrame& frame) override;
+  void snapshot() override;
+  void read_snapshot(SphereFrame& frame) override;
+  void download(const ContactsRequest& request, ContactsFrame& frame) override;
+  std::vector<BodyContact> body_contacts(const ContactsRequest& request,
+                                         std::span<const std::uint8_t> wanted) override;
   std::size_t memory_bytes() const override { return memory_.bytes(); }
   std::uint32_t regions() const override { return exec_.regions(); }
 
@@ -62,6 +71,8 @@ class EngineOf final : public Engine {
 
   void upload_spheres(const Spheres& spheres);
   void limit_speed(double dt);
+  void begin_sums(std::uint32_t steps);
+  void close_sums(const WindowPlan& plan);
   void make_room_to_come_in(std::uint32_t count);
   void shrink_spheres();
   void refresh_view();
@@ -72,6 +83,9 @@ class EngineOf final : public Engine {
                           : work.template operator()<Levels::one>();
   }
   void rebuild();
+  void build_first_lists(double dt);
+  template <class Work>
+  void with_lists(double dt, Work work);
   void account();
   static double with_rest(std::int64_t whole, std::int64_t rest, Quantum quantum) {
     return from_fixed(whole, quantum) + from_fixed(rest, quantum.of_remainders());
@@ -85,8 +99,26 @@ class EngineOf final : public Engine {
   void find_tangents(std::span<const BodyPose> poses);
   void adapt_to_state();
   void fetch_spheres(std::uint32_t side, double back, Spheres& out);
+  // Kept from frame to frame: allocating it anew would take as long as all other work of a frame.
+  struct Fetched {
+    std::vector<PositionRadius<Real>> position;
+    std::vector<VelocityKind<Real>> velocity;
+    std::vector<Spin<Real>> spin;
+    std::vector<FinePart<Real>> fine;
+    std::vector<std::uint32_t> id;
+    std::vector<std::uint32_t> index;  // of the spheres present, in order of id
+
+    void resize(std::size_t n) {
+      position.resize(n), velocity.resize(n), spin.resize(n), fine.resize(n), id.resize(n);
+    }
+    void take_ids_of_spins() {
+      for (std::size_t i = 0; i < id.size(); ++i) id[i] = spin[i].id;
+    }
+    // `positions`: those that say who is there; `ids`: number of all.
+    void sort_present(const std::vector<PositionRadius<Real>>& positions, std::size_t ids);
+  };
   void fetch_arrays(std::uint32_t side, std::uint32_t spin_side);
-  void sort_present(const std::vector<PositionRadius<Real>>& positions);
+  void fill_frame(const Fetched& from, const Parameters<Real>& parameters, SphereFrame& frame) const;
   [[noreturn]] void fail(const WindowProgress& window);
 
   Exec exec_;
@@ -101,6 +133,7 @@ class EngineOf final : public Engine {
   std::vector<std::uint8_t> kind_;        // by id; empty where no spheres wait
   Vec3d passed_momentum_;                 // of spheres that went out minus in, since the last window [kg m/s]
   WindowOutcome outcome_;
+  std::vector<double> wall_fields_;
 
   struct {
     std::vector<WallTangent> of_body;
@@ -108,20 +141,23 @@ class EngineOf final : public Engine {
     bool requested = false;       // advance() computes the tangents of the next window
     bool rolled_back = false;     // since the last request
   } tangents_;
-  // Kept from frame to frame: allocating it anew would take as long as all other work of a frame.
+  Fetched fetched_;
   struct {
-    std::vector<PositionRadius<Real>> position;
-    std::vector<VelocityKind<Real>> velocity;
-    std::vector<Spin<Real>> spin;
-    std::vector<FinePart<Real>> fine;
-    std::vector<std::uint32_t> id;
-    std::vector<std::uint32_t> index;  // of the spheres present, in order of id
-  } fetched_;
+    Fetched fetched;
+    Parameters<Real> parameters;  // the domain may have moved on since
+  } snapshot_;
   struct {
     Buffer<std::int64_t> totals;  // (regions x region_total_count)
     std::vector<std::int64_t> fixed;
     std::vector<RegionSums> sums;
   } measured_;
+  // For frames with the contacts of bodies.
+  struct {
+    Buffer<BodyPose> pose;
+    Buffer<std::uint8_t> wanted;
+    Buffer<std::uint32_t> start;
+    Buffer<BodyContact> found;
+  } body_contacts_;
   // For spheres that come in.
   struct {
     Buffer<NewSphere> spheres;
@@ -158,6 +194,8 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   exec_.upload(memory_.now.window, std::span<const WindowProgress>(&window, 1));
   upload_spheres(setup.spheres);
   tangents_.of_body.resize(memory_.bodies);
+  for (auto* since_start : {&memory_.now.wall_sums, &memory_.now.dissipated})
+    if (since_start->size() > 0) exec_.zero(*since_start, since_start->size());
   refresh_view();
   account();
   exec_.download(memory_.window.totals, std::span<std::int64_t>(total_sums_));
@@ -184,6 +222,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   if (memory_.window.grow(plan.steps, memory_.bodies, memory_.belts)) refresh_view();
   if (load_fixed_.size() < memory_.window.load.size()) load_fixed_.resize(memory_.window.load.size());
   limit_speed(plan.dt);
+  begin_sums(plan.steps);
   shrink_spheres();
   WindowProgress& c = outcome_.window;
   c = memory_.now.host_window;
@@ -247,6 +286,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     belt_pull_.resize(std::size_t{plan.steps} * memory_.bodies);
     exec_.download(memory_.window.belt_pull, std::span<std::int64_t>(belt_pull_));
   }
+  close_sums(plan);
   tangents_.poses = std::move(last_poses);
   outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
   outcome_.skin = c.skin + view_.parameters.unit.exact_metres(view_.parameters.range);
@@ -391,5 +431,7 @@ void EngineOf<Exec, Law, Real>::adapt_to_state() {
 
 }  // namespace tandem::dem
 
+#include "dem_server/engine/engine_contacts.hpp"
 #include "dem_server/engine/engine_spheres.hpp"
+#include "dem_server/engine/engine_sums.hpp"
 #include "dem_server/engine/engine_tangents.hpp"

@@ -203,7 +203,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   if (back > 0)
     exec_.download(memory_.now.spheres.position[then], std::span<PositionRadius<Real>>(position_then));
   const std::vector<PositionRadius<Real>>& before = back > 0 ? position_then : position;
-  sort_present(before);
+  fetched_.sort_present(before, radius_.size());
   const Parameters<Real>& p = view_.parameters;
   const auto begin_anew = [this](auto&... column) {
     (column.clear(), ...), (column.reserve(memory_.n), ...);
@@ -225,19 +225,51 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   }
 }
 
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::download(SphereFrame& frame) {
+  const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
+  fetch_arrays(side, side);
+  fetched_.sort_present(fetched_.position, radius_.size());
+  fill_frame(fetched_, view_.parameters, frame);
+}
+
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::snapshot() {
+  const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
+  memory_.snapshot.for_each(memory_.now.spheres, side, memory_.needs,
+                            [this](const auto& from, auto& to) { exec_.copy(from, to); });
+  exec_.mark();
+  snapshot_.fetched.resize(memory_.n);
+  snapshot_.parameters = view_.parameters;
+}
+
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::read_snapshot(SphereFrame& frame) {
+  auto& f = snapshot_.fetched;
+  const auto& from = memory_.snapshot;
+  exec_.download_marked(from.position, std::span<PositionRadius<Real>>(f.position));
+  exec_.download_marked(from.velocity, std::span<VelocityKind<Real>>(f.velocity));
+  if constexpr (has_fine_part<Real>) exec_.download_marked(from.fine, std::span<FinePart<Real>>(f.fine));
+  if constexpr (Law::tangential) {
+    exec_.download_marked(from.spin, std::span<Spin<Real>>(f.spin));
+    f.take_ids_of_spins();
+  } else {
+    exec_.download_marked(from.id, std::span<std::uint32_t>(f.id));
+  }
+  f.sort_present(f.position, radius_.size());
+  fill_frame(f, snapshot_.parameters, frame);
+}
+
 // The states are where the lists want them, far apart for neighbouring ids: they are requested some spheres
 // ahead.
 template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::download(SphereFrame& frame) {
+void EngineOf<Exec, Law, Real>::fill_frame(const Fetched& from, const Parameters<Real>& p,
+                                           SphereFrame& frame) const {
   constexpr std::size_t ahead = 16;
-  const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
-  fetch_arrays(side, side);
-  const auto& [position, velocity, spin, fine, id, index] = fetched_;
-  sort_present(position);
+  const auto& [position, velocity, spin, fine, id, index] = from;
   const std::size_t count = index.size();
   frame.id.resize(count), frame.radius.resize(count);
   frame.position.resize(3 * count), frame.velocity.resize(3 * count), frame.spin.resize(3 * count);
-  const Parameters<Real>& p = view_.parameters;
   for (std::size_t k = 0; k < count; ++k) {
     if (k + ahead < count) {
       const std::uint32_t next = index[k + ahead];
@@ -263,27 +295,26 @@ void EngineOf<Exec, Law, Real>::download(SphereFrame& frame) {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::fetch_arrays(std::uint32_t side, std::uint32_t spin_side) {
   auto& f = fetched_;
-  const auto make_room = [this](auto&... array) { (array.resize(memory_.n), ...); };
-  make_room(f.position, f.velocity, f.spin, f.fine, f.id);
+  f.resize(memory_.n);
   exec_.download(memory_.now.spheres.position[side], std::span<PositionRadius<Real>>(f.position));
   exec_.download(memory_.now.spheres.velocity[side], std::span<VelocityKind<Real>>(f.velocity));
   if constexpr (has_fine_part<Real>)
     exec_.download(memory_.now.spheres.fine, std::span<FinePart<Real>>(f.fine));
   if constexpr (Law::tangential) {
     exec_.download(memory_.now.spheres.spin[spin_side], std::span<Spin<Real>>(f.spin));
-    for (std::uint32_t i = 0; i < memory_.n; ++i) f.id[i] = f.spin[i].id;
+    f.take_ids_of_spins();
   } else {
     exec_.download(memory_.now.spheres.id, std::span<std::uint32_t>(f.id));
   }
 }
 
 template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::sort_present(const std::vector<PositionRadius<Real>>& positions) {
+void EngineOf<Exec, Law, Real>::Fetched::sort_present(const std::vector<PositionRadius<Real>>& positions,
+                                                      std::size_t ids) {
   constexpr std::uint32_t none = ~0u;
-  std::vector<std::uint32_t>& index = fetched_.index;
-  index.assign(radius_.size(), none);
-  for (std::uint32_t i = 0; i < memory_.n; ++i)
-    if (const std::uint32_t id = fetched_.id[i]; !is_parked(positions[i]) && id < index.size()) index[id] = i;
+  index.assign(ids, none);
+  for (std::uint32_t i = 0; i < id.size(); ++i)
+    if (!is_parked(positions[i]) && id[i] < ids) index[id[i]] = i;
   std::erase(index, none);
 }
 

@@ -18,7 +18,9 @@ struct EngineState {
   typename Exec::template Buffer<WindowProgress> window;
   SphereBuffers<Exec, Real> spheres;
   ListBuffers<Exec, Real> lists;
-  WindowProgress host_window;  // copy of `window` between windows
+  typename Exec::template Buffer<double> wall_sums;   // since the start (rows x wall_sum_count)
+  typename Exec::template Buffer<double> dissipated;  // since the start [J]
+  WindowProgress host_window;                         // copy of `window` between windows
   Totals totals;
 };
 
@@ -47,6 +49,8 @@ void for_each_buffer(F f, States&... state) {
   f("mirror", state.lists.mirror...);
   f("wall_slack", state.lists.wall_slack...);
   f("near", state.lists.near...);
+  f("wall_sums", state.wall_sums...);
+  f("dissipated", state.dissipated...);
 }
 
 template <class Exec, class Real>
@@ -89,6 +93,7 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
              pair_rolling = state.lists.pairs.rolling.size() > 0,
              wall_rolling = state.lists.walls.rolling.size() > 0,
              mirrors = state.lists.mirror_start.size() > 0;
+  const std::size_t wall_sums = state.wall_sums.size(), dissipated = state.dissipated.size();
   read_value("host_window_progress", state.host_window);
   read_value("totals", state.totals);
   for_each_buffer(
@@ -103,6 +108,8 @@ void read_state(Exec& exec, EngineState<Exec, Real>& state, const ArraySource& s
       },
       state);
   expect("window_progress", state.window.size() == 1);
+  expect("wall_sums", state.wall_sums.size() == wall_sums);
+  expect("dissipated", state.dissipated.size() == dissipated);
   const std::size_t n = state.spheres.position[0].size();
   expect("position_radius.0", n >= fewest && n <= most);
   expect("host_window_progress",

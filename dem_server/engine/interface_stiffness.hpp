@@ -57,6 +57,14 @@ TANDEM_HD void differentiate(const Contact<double>& at, const Coefficients<doubl
   }
 }
 
+// A contact with a wall, ready for the law.
+struct WallContactState {
+  Vec3d arm;  // from the origin of the wall's body to the contact, world axes [m]
+  Contact<double> contact;
+  Coefficients<double> k;
+  Vec3d spring;  // of the last micro step [m]
+};
+
 // The contacts of one sphere with the walls of one body near it, in a fixed order.
 template <class Law, class Real>
 struct WallTangents {
@@ -67,9 +75,17 @@ struct WallTangents {
   // The tangent of pair `which` of a sphere and a body near it.
   TANDEM_HD WallTangent of(std::uint32_t which) const {
     WallTangent sum;
+    if (view.lists.near[which].body == ground_index) return sum;
+    each_contact(which, [&](const WallContactState& at) { add(tangent(at), sum); });
+    return sum;
+  }
+
+  // Calls visit(contact) for each contact of pair `which`.
+  template <class Visit>
+  TANDEM_HD void each_contact(std::uint32_t which, const Visit& visit) const {
     const NearBody& near = view.lists.near[which];
     const PositionRadius<Real>& position = view.spheres.position[now.state_side][near.sphere];
-    if (near.body == ground_index || is_parked(position)) return sum;
+    if (is_parked(position)) return;
     const BodyPose& body = pose[near.body];
     const Vec3d centre = body.R.transpose_times(view.centre(now.state_side, near.sphere) - body.p);
     WallContactSpace space;
@@ -77,23 +93,31 @@ struct WallTangents {
         centre, view.parameters.unit.exact_metres(position.radius) + range(),
         view.lists.walls.entry + near.first, static_cast<int>(near.count), view.surface.facets, space);
     // A sphere with too many contacts has already ended the run.
-    for (int w = 0; w < contacts; ++w) add(tangent(near, space.contacts[w]), sum);
-    return sum;
+    for (int w = 0; w < contacts; ++w) {
+      WallContactState at;
+      if (prepare(near, space.contacts[w], at)) visit(at);
+    }
   }
 
  private:
-  TANDEM_HD ContactTangent tangent(const NearBody& near, const WallContact& wall) const {
+  TANDEM_HD ContactTangent tangent(const WallContactState& at) const {
+    ContactTangent result;
+    result.normal = at.contact.n;
+    result.arm = at.arm;
+    differentiate<Law>(at.contact, at.k, view.parameters.law, at.spring, result);
+    return result;
+  }
+  // Returns false where the law has no contact there.
+  TANDEM_HD bool prepare(const NearBody& near, const WallContact& wall, WallContactState& at) const {
     const Parameters<Real>& p = view.parameters;
     const PositionRadius<Real>& position = view.spheres.position[now.state_side][near.sphere];
     const BodyPose& body = pose[near.body];
-    ContactTangent result;
-    result.normal = body.R * wall.normal;
-    result.arm = body.R * wall.point;
-    Contact<double> contact;
-    contact.n = result.normal;
+    at.arm = body.R * wall.point;
+    Contact<double>& contact = at.contact;
+    contact.n = body.R * wall.normal;
     contact.overlap = -wall.gap - range();
     contact.dt = now.dt;
-    Vec3d u = view.velocity(now.state_side, near.sphere) - body.v - cross(body.w, result.arm);
+    Vec3d u = view.velocity(now.state_side, near.sphere) - body.v - cross(body.w, at.arm);
     if constexpr (Law::tangential) {
       const double arm = p.unit.exact_metres(position.radius) - contact.overlap;
       u -= cross(arm * view.spheres.spin[now.state_side][near.sphere].w.template as<double>(), contact.n);
@@ -103,9 +127,8 @@ struct WallTangents {
     const std::uint32_t kind = view.spheres.velocity[now.state_side][near.sphere].kind();
     const WallFit<Real> fit = wall_fit(view, wall, kind, p.radius(position));
     const Coefficients<Real>& k = fit.k;
-    const Coefficients<double> exact{static_cast<double>(k.k_n), static_cast<double>(k.c_n),
-                                     static_cast<double>(k.k_t), static_cast<double>(k.c_t),
-                                     static_cast<double>(k.friction)};
+    at.k = {static_cast<double>(k.k_n), static_cast<double>(k.c_n), static_cast<double>(k.k_t),
+            static_cast<double>(k.c_t), static_cast<double>(k.friction)};
     const History<Real>* history = known(near, wall);
     if constexpr (Law::extended) {
       // The moments of rolling and twisting are neglected: they rotate the sphere, but hardly the body.
@@ -115,11 +138,10 @@ struct WallTangents {
       contact.r_eff = static_cast<double>(sizes.r_eff);
       contact.m_eff = static_cast<double>(sizes.m_eff);
       contact.adhesion = static_cast<double>(sizes.adhesion);
-      if (!Law::in_contact(contact, exact, p.law, history != nullptr)) return result;
+      if (!Law::in_contact(contact, at.k, p.law, history != nullptr)) return false;
     }
-    differentiate<Law>(contact, exact, p.law,
-                       history == nullptr ? Vec3d{} : history->spring.template as<double>(), result);
-    return result;
+    if (history != nullptr) at.spring = history->spring.template as<double>();
+    return true;
   }
   TANDEM_HD double range() const {
     if constexpr (Law::extended)

@@ -87,7 +87,7 @@ EngineChoice choose_engine(const scene::Scene& scene, Backend backend) {
   const scene::Dem& dem = *scene.dem;
   const char* real = dem.precision == scene::Precision::mixed ? "float" : "double";
   const bool periodic = std::ranges::find(dem.periodic, true) != dem.periodic.end();
-  const bool extended = dem.force_generic || dem.rolling || dem.twisting || periodic;
+  const bool extended = dem.force_generic || dem.rolling || dem.twisting || periodic || has_sums(scene);
   const bool belts = std::ranges::any_of(
       dem.walls, [](const scene::Wall& wall) { return wall.surface_velocity.has_value(); });
   const std::string law = functor(dem.contact) + std::string(belts ? "WithBelts" : "");
@@ -118,6 +118,9 @@ std::size_t predicted_bytes(const EngineChoice& choice, const EngineSetup& setup
 
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const EngineSetup& setup) {
   const Variant& variant = variant_of(choice);
+  if (has_sums(setup.scene) && !choice.generic_fallback)
+    throw Error(ErrorCode::internal,
+                "the contact variant '" + choice.variant + "' has no sums of walls and energies");
   if (setup.surface.has_belts() && !variant.belts)
     throw Error(ErrorCode::internal, "the contact variant '" + choice.variant + "' has no belts");
   return (choice.backend == Backend::cuda ? variant.make_cuda : variant.make_cpu)(setup);

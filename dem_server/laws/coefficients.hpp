@@ -72,6 +72,7 @@ template <class Real>
 struct PairExtras {
   Real adhesion = 0;  // work of adhesion [J/m2] or cohesion energy density [J/m3]
   RollingConstants<Real> rolling;
+  Real wear = 0;  // coefficient of Archard's law [-]
 };
 
 }  // namespace tandem::dem

@@ -31,7 +31,7 @@ struct ContactForce {
   Real normal = 0;        // along n on i [N]
   Vec3<Real> tangential;  // on i [N]
 
-  // Only rolling and twisting read these.
+  // Only rolling, twisting and the sums of dissipated energy read these.
   Real elastic_force = 0;  // Coulomb's limit is mu times this [N]
   Real k_n = 0, k_t = 0;   // secant stiffnesses [N/m]
   Real c_t = 0;            // tangential damping [N s/m]

@@ -78,8 +78,8 @@ struct HertzFrictionless : HertzStiffness {
   template <class Real>
   TANDEM_HD ContactForce<Real> operator()(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t,
                                           Vec3<Real>&) const {
-    const Real half = root(c.overlap);
-    return {k.k_n * c.overlap * half - k.c_n * root(half) * c.normal_speed, {}};
+    const Real half = root(c.overlap), elastic = k.k_n * c.overlap * half;
+    return {elastic - k.c_n * root(half) * c.normal_speed, {}, elastic};
   }
 };
 

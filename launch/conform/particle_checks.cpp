@@ -126,6 +126,20 @@ void observe_particles(Examination& e) {
             1e-5 * norm(momentum), "kg m/s");
 }
 
+void snapshot(Examination& e) {
+  const auto session = e.open();
+  rest_windows(*session, e.scene(), 40);
+  const ParticlesFrame then = session->particles();
+  session->remote().snapshot(then.time);
+  rest_windows(*session, e.scene(), 1);
+  ParticlesFrame kept;
+  session->remote().observe_particles(then.time, kept);
+  e.expect(kept.id == then.id && kept.position == then.position && kept.velocity == then.velocity &&
+               kept.spin == then.spin && kept.radius == then.radius,
+           "the frame of the snapshot is not the one of its time");
+  e.expect(session->particles().position != then.position, "the next frame is that of the snapshot");
+}
+
 void lost_particle(Examination& e) {
   const auto session = e.open();
   const Vec3d leaving = mass_of_radius(e, 0.02) * e.scene().dem->particles[0].velocity;
@@ -189,6 +203,8 @@ void add_particle_checks(std::vector<Check>& table) {
       false, kinetic_energy_of_account);
   add("observe_particles", "the frame has all spheres, inside the domain, with the momentum of the account",
       0, "bed", false, observe_particles);
+  add("snapshot", "a frame that was kept is sent after the next window as it was", can_snapshot, "bed", false,
+      snapshot);
   add("lost_particle",
       "a sphere that leaves the domain is counted and taken out, and its momentum is recorded; the others "
       "keep their ids",

@@ -307,6 +307,11 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
 
   Table sensors("sensors", {"name", "body", "region [m]", "flow"});
   for (const ParticleSensor& sensor : dem.sensors) {
+    if (!sensor.wall.empty()) {
+      const auto wall = std::ranges::find(dem.walls, sensor.wall, &Wall::name);
+      sensors.add({sensor.name, scene.body_name(wall->body), "wall " + sensor.wall, ""});
+      continue;
+    }
     const std::string region =
         std::visit(Overloaded{[](const BoxShape& box) { return "box " + text(box.size); },
                               [](const CylinderShape& cylinder) {

@@ -64,6 +64,15 @@ std::vector<Need> needs_of_dem(const scene::Scene& scene) {
   std::vector<Need> needs{{protocol::can_window_mean, "every scene with particles", ""}};
   if (!scene.dem->sensors.empty())
     needs.push_back({protocol::can_measure, "dem.sensors", "leave out dem.sensors"});
+  for (const scene::SphereField field : {scene::SphereField::contact_count, scene::SphereField::mean_stress})
+    if (const std::string_view name = scene::sphere_field_names[static_cast<std::size_t>(field)];
+        scene.output.has(field))
+      needs.push_back({protocol::can_observe_contacts, fmt::format("output.fields '{}'", name),
+                       fmt::format("leave '{}' out of output.fields", name)});
+  if (!scene.output.contacts.empty())
+    needs.push_back({protocol::can_observe_contacts, "output.contacts", "leave out output.contacts"});
+  if (!scene.output.wall_fields.empty())
+    needs.push_back({protocol::can_observe_walls, "output.wall_fields", "leave out output.wall_fields"});
   if (!scene.mbd) return needs;
   const scene::Coupling& how = scene.coupling;
   const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
@@ -122,6 +131,12 @@ std::string in_words(protocol::Capability capability) {
       return "results of motors, cylinders and other elements";
     case protocol::can_measure:
       return "measures of the spheres in a region (sensors)";
+    case protocol::can_observe_contacts:
+      return "the contacts of the spheres in frames";
+    case protocol::can_snapshot:
+      return "frames that are prepared during the next window (snapshot)";
+    case protocol::can_observe_walls:
+      return "the forces on triangles of walls in frames";
   }
   return "an unknown capability";
 }

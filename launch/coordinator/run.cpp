@@ -102,6 +102,10 @@ class Run {
       conclude();
     } catch (const Error& error) {
       const Error explained = explain(error);
+      try {
+        fetch_frame();
+      } catch (const Error&) {  // of the solver that failed
+      }
       if (participants_) participants_->fail(explained);
       try {
         if (folder_.is_in_place()) results_.finish();
@@ -125,7 +129,12 @@ class Run {
 
   void observe();
   void write_frame();
-  Results::ParticleCheck check_of(const protocol::ParticlesFrame& frame);
+  // The same in two parts where the solver can keep a snapshot: fetch_frame() is called after the next
+  // window, during which the solver has prepared the frame.
+  void begin_frame();
+  void fetch_frame();
+  void set_next_frame();
+  Results::ParticleCheck check_of_frame();
   void write_checkpoint();
   void write_interim_summary();
   std::uint64_t spheres_there() const;
@@ -158,6 +167,12 @@ class Run {
 
   std::string phase_ = "while the servers started";
   Nanoseconds now_, next_frame_, last_frame_;
+  struct BegunFrame {
+    Nanoseconds time;
+    std::optional<protocol::BodiesFrame> bodies;
+    Results::ParticleCheck check;
+  };
+  std::optional<BegunFrame> begun_frame_;
   Nanoseconds begin_;  // 0, or the time from which a run continues
   std::optional<Checkpoints> checkpoints_;
   InterimPace interim_;
@@ -189,6 +204,8 @@ void Run::start() {
     particle_watch_ = watch.get();
     wall_load_watch_.emplace(scene_);
     sphere_watch_.emplace(scene_, particle_watch_->spheres());
+    if (scene_.output.has(scene::SphereField::group) || scene_.output.has(scene::SphereField::material))
+      results_.set_groups(particle_watch_->spheres().group_by_id());
   }
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
@@ -222,19 +239,21 @@ void Run::advance() {
       solvers_.mbd->control(
           control_->request(now_, *bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr));
     coupler_->advance(limit);
+    fetch_frame();
     now_ = coupler_->now();
     if (particle_watch_) particle_watch_->record(coupler_->exchange());
     if (wall_load_watch_) wall_load_watch_->record(coupler_->exchange());
     if (sphere_watch_) sphere_watch_->record(coupler_->exchange());
     window_log_.write(*coupler_);
     observe();
-    if (now_ >= next_frame_) write_frame();
+    if (now_ >= next_frame_) now_ < end_ ? begin_frame() : write_frame();
     if (checkpoints_ && checkpoints_->due(now_)) write_checkpoint();
     if (interim_.due()) write_interim_summary();
     progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(),
                     spheres_there());
   }
   // After the loop, because an interrupt may end the loop at any time.
+  fetch_frame();
   if (last_frame_ < now_) write_frame();
   if (checkpoints_) write_checkpoint();
   if (bodies_) last_bodies_ = *bodies_;
@@ -334,13 +353,13 @@ void Run::observe() {
 }
 
 // What the windows so far say of a frame goes with it to the thread that checks and writes frames.
-Results::ParticleCheck Run::check_of(const protocol::ParticlesFrame& frame) {
-  Results::ParticleCheck check =
-      [this, of_particles = particle_watch_->take_before(),
-       of_spheres = sphere_watch_->take_before(frame)](const protocol::ParticlesFrame& spheres) {
-        particle_watch_->check(spheres, of_particles);
-        sphere_watch_->check(spheres, of_spheres);
-      };
+Results::ParticleCheck Run::check_of_frame() {
+  Results::ParticleCheck check = [this, of_particles = particle_watch_->take_before(),
+                                  of_spheres =
+                                      sphere_watch_->take_before()](const protocol::ParticlesFrame& spheres) {
+    particle_watch_->check(spheres, of_particles);
+    sphere_watch_->check(spheres, of_spheres);
+  };
   if (now_ == begin_) return check;
   return [this, check, exchange = coupler_->exchange()](const protocol::ParticlesFrame& spheres) {
     check(spheres);
@@ -356,16 +375,47 @@ void Run::write_frame() {
   if (frame) {
     solvers_.dem->observe_particles(now_, *frame);
     particle_watch_->expect_start(*frame);
+    sphere_watch_->begin(*frame);
   }
-  results_.write_frame(now_, bodies_, frame, frame ? check_of(*frame) : Results::ParticleCheck());
+  results_.write_frame(now_, bodies_, frame, frame ? check_of_frame() : Results::ParticleCheck());
+  set_next_frame();
+  stopwatch_.end_output(solvers_);
+}
+
+void Run::begin_frame() {
+  if (!solvers_.dem || !scene_.output.particles || !solvers_.dem->can(protocol::can_snapshot))
+    return write_frame();
+  stopwatch_.begin_output(solvers_);
+  solvers_.dem->snapshot(now_);
+  begun_frame_ = {now_, bodies_ ? std::optional(*bodies_) : std::nullopt, check_of_frame()};
+  set_next_frame();
+  stopwatch_.end_output(solvers_);
+}
+
+void Run::fetch_frame() {
+  if (!begun_frame_) return;
+  stopwatch_.begin_output(solvers_);
+  folder_.expect_there();
+  const auto [time, bodies, check] = *std::exchange(begun_frame_, {});
+  protocol::ParticlesFrame& frame = results_.particles_to_write();
+  results_.write_frame(time, bodies ? &*bodies : nullptr, &frame,
+                       [check, of_values = solvers_.dem->receive_particles(time, frame)](
+                           const protocol::ParticlesFrame& spheres) {
+                         of_values(spheres);
+                         check(spheres);
+                       });
+  stopwatch_.end_output(solvers_);
+}
+
+void Run::set_next_frame() {
   last_frame_ = now_;
   const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
   while (next_frame_ <= now_)
     next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
-  stopwatch_.end_output(solvers_);
 }
 
 void Run::write_checkpoint() {
+  fetch_frame();
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   checkpoints_->write(solvers_, *coupler_, results_);

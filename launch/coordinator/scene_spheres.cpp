@@ -20,6 +20,13 @@ const SceneSpheres::Group& SceneSpheres::group_of(std::uint32_t id) const {
   return *std::ranges::upper_bound(groups, id, {}, &Group::end);
 }
 
+std::vector<std::uint32_t> SceneSpheres::group_by_id() const {
+  std::vector<std::uint32_t> of_sphere;
+  of_sphere.reserve(in_all);
+  for (const Group& group : groups) of_sphere.resize(group.end, group.index);
+  return of_sphere;
+}
+
 std::vector<dem::NamedParticles> particles_in(const SceneFile& file) {
   std::vector<dem::NamedParticles> read;
   for (const protocol::NamedText& text : file.files)
@@ -43,6 +50,7 @@ SceneSpheres spheres_of(const SceneFile& file) {
     const scene::ParticleGroup& given = of_scene.particles[index];
     SceneSpheres::Group& group = all.groups.emplace_back();
     group.name = given.name;
+    group.index = index;
     group.density = of_scene.materials[fill.material[i]].density;
     const bool random = given.radius_min > 0 && given.radius_min < given.radius_max;
     group.smallest = given.radius_min > 0 ? given.radius_min : fill.radius[i];

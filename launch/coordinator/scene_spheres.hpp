@@ -18,6 +18,7 @@ struct SceneSpheres {
     double density = 0;                // [kg/m3]
     double smallest = 0, largest = 0;  // radius that a sphere of the group may have [m]
     double place_tolerance = 0;        // of the place at the start, where it is random [m]
+    std::uint32_t index = 0;           // in dem.particles
   };
   std::vector<Group> groups;
   std::uint64_t at_start = 0, in_all = 0;  // without and with those that inlets bring
@@ -28,7 +29,8 @@ struct SceneSpheres {
   double critical_time = 0;                       // the shortest of all spheres, infinite without one [s]
   dem::Fill start;                                // of the spheres at the start
 
-  const Group& group_of(std::uint32_t id) const;  // id < in_all
+  const Group& group_of(std::uint32_t id) const;   // id < in_all
+  std::vector<std::uint32_t> group_by_id() const;  // index in dem.particles of each sphere
 };
 
 double sphere_mass(double density, double radius);

@@ -95,7 +95,8 @@ std::string settling_scene(const std::string& text) {
     for (const Json& body : given["mbd"]["bodies"]) bodies.push_back(body_at_rest(body));
   }
   Json& dem = scene["dem"] = given.at("dem");
-  for (const char* key : {"settle", "server", "solver_options", "outlets", "overlap_limit", "speed_limit"})
+  for (const char* key :
+       {"settle", "server", "solver_options", "outlets", "sensors", "overlap_limit", "speed_limit"})
     dem.erase(key);
   Json groups = Json::array();
   for (const Json& group : dem["particles"])

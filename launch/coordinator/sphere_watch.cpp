@@ -128,8 +128,11 @@ void SphereWatch::record(const Exchange& exchange) {
   }
 }
 
-SphereWatch::Before SphereWatch::take_before(const Frame& frame) {
+void SphereWatch::begin(const Frame& frame) {
   if (!std::exchange(framed_, true)) energies_.fill(energy_of(spheres_, frame));
+}
+
+SphereWatch::Before SphereWatch::take_before() {
   Before before = before_;
   before_.way = 0;
   return before;

@@ -34,13 +34,18 @@ class SphereWatch {
     double way = 0;                    // integral of sqrt(2 E) since the last frame [sqrt(kg) m]
     std::vector<PlaneInWorld> planes;  // at the end of the last window
   };
+  // The first frame, before any window.
+  void begin(const protocol::ParticlesFrame& frame);
   // For a frame at the end of the last window.
-  Before take_before(const protocol::ParticlesFrame& frame);
+  Before take_before();
   // Of a large frame a part is searched for overlaps and compared with planes, another part each time. May
   // run in another thread than the rest.
   void check(const protocol::ParticlesFrame& frame, const Before& before);
   // Both.
-  void observe(const protocol::ParticlesFrame& frame) { check(frame, take_before(frame)); }
+  void observe(const protocol::ParticlesFrame& frame) {
+    begin(frame);
+    check(frame, take_before());
+  }
 
   enum class Kind : std::size_t { overlap, plane, path, changed_radius, inlet, outlet };
   struct KindOfFault {

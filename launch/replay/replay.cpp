@@ -107,7 +107,8 @@ int replay(const ReplayOptions& options) {
     fmt::print("{} answers are not compared, because the recording does not have their values\n",
                result.not_kept);
   if (result.not_possible > 0)
-    fmt::print("{} orders to linearise are left out, because this participant cannot\n", result.not_possible);
+    fmt::print("{} orders to linearise or keep a frame are left out, because this participant cannot\n",
+               result.not_possible);
   if (result.not_repeated > 0)
     fmt::print(
         "{} orders to write a restart file are not repeated, because it would replace that of the run\n",

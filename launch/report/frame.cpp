@@ -10,8 +10,14 @@
 namespace tandem::launch {
 namespace {
 
-constexpr std::array<SphereField, 3> fields{
-    {{"speed", "m/s", true}, {"radius", "m", false}, {"spin", "rad/s", true}}};
+using Scale = ColourField::Scale;
+constexpr std::array<ColourField, 7> fields{{{"speed", "m/s", Scale::from_zero},
+                                             {"radius", "m", Scale::whole},
+                                             {"spin", "rad/s", Scale::from_zero},
+                                             {"group", "", Scale::named},
+                                             {"material", "", Scale::named},
+                                             {"contact_count", "", Scale::from_zero},
+                                             {"mean_stress", "Pa", Scale::from_zero}}};
 
 // The groups of one file that are frames, ascending.
 std::vector<std::string> groups_of(const std::filesystem::path& path) {
@@ -59,7 +65,7 @@ std::vector<double> values_of(const Hdf5File& file, const std::string& dataset, 
   return length;
 }
 
-void read_particles(const std::filesystem::path& path, const std::string& group, const SphereField& field,
+void read_particles(const std::filesystem::path& path, const std::string& group, const ColourField& field,
                     Frame& frame) {
   const Hdf5File file = Hdf5File::open(path);
   const std::string dataset = "/" + group + "/" + field.name;
@@ -69,7 +75,8 @@ void read_particles(const std::filesystem::path& path, const std::string& group,
   const std::size_t spheres = frame.radius.size();
   if (!file.has(dataset))
     throw Error(ErrorCode::usage, std::string("the frames of this run have no '") + field.name + "'",
-                path.string(), "colour by one of the datasets that /" + group + " has");
+                path.string(),
+                std::string("\"output\": {\"fields\": [\"") + field.name + "\"]} of the scene puts it there");
   frame.value = values_of(file, dataset, spheres);
   if (frame.position.size() != 3 * spheres || frame.value.size() != spheres)
     fail(path, group + " has " + std::to_string(spheres) + " radii, " +
@@ -118,11 +125,11 @@ std::optional<PlacedFrame> placed_frame(const std::vector<Vec3d>& from, const st
   return PlacedFrame{from[0], to[0], axes(from), axes(to)};
 }
 
-const SphereField& sphere_field(const std::string& name) {
-  for (const SphereField& field : fields)
+const ColourField& colour_field(const std::string& name) {
+  for (const ColourField& field : fields)
     if (name == field.name) return field;
   std::string known;
-  for (const SphereField& field : fields) known += (known.empty() ? "" : ", ") + std::string(field.name);
+  for (const ColourField& field : fields) known += (known.empty() ? "" : ", ") + std::string(field.name);
   throw Error(ErrorCode::usage, "spheres have no '" + name + "'", "--colour-by", "it is one of " + known);
 }
 
@@ -140,7 +147,7 @@ std::vector<std::string> frame_names(const std::filesystem::path& folder) {
   return names.value_or(std::vector<std::string>{});
 }
 
-Frame read_frame(const std::filesystem::path& folder, const std::string& name, const SphereField& field) {
+Frame read_frame(const std::filesystem::path& folder, const std::string& name, const ColourField& field) {
   Frame frame;
   if (exists(folder / "particles.h5")) read_particles(folder / "particles.h5", name, field, frame);
   if (exists(folder / "bodies.h5")) read_surfaces(folder / "bodies.h5", name, frame);

@@ -26,12 +26,14 @@ struct Surface {
 };
 
 // What the colour of the spheres shows: a dataset of the frames, of vectors their length.
-struct SphereField {
+struct ColourField {
+  enum class Scale { from_zero, whole, named };  // `named`: the value is an index in a list of the scene
   const char *name, *unit;
-  bool from_zero;  // the colours begin at 0, not at the smallest value
+  Scale scale;
+  std::string title() const { return *unit == '\0' ? name : std::string(name) + " [" + unit + "]"; }
 };
 // Throws Error{usage} for a name that is none of them.
-const SphereField& sphere_field(const std::string& name);
+const ColourField& colour_field(const std::string& name);
 
 struct Frame {
   double time = 0;               // [s]
@@ -51,7 +53,7 @@ std::optional<PlacedFrame> placed_frame(const std::vector<Vec3d>& from, const st
 // cannot be read, as the functions below.
 std::vector<std::string> frame_names(const std::filesystem::path& folder);
 // Throws Error{usage} where the frame lacks the field.
-Frame read_frame(const std::filesystem::path& folder, const std::string& name, const SphereField& field);
+Frame read_frame(const std::filesystem::path& folder, const std::string& name, const ColourField& field);
 // Empty where the run has written no frame.
 Frame read_last_frame(const std::filesystem::path& folder);
 

@@ -76,9 +76,19 @@ class Stills {
   fs::path folder_;
 };
 
+std::vector<std::string> names_of(const scene::Scene& scene, const ColourField& field) {
+  std::vector<std::string> names;
+  if (!scene.dem) return names;
+  if (field.name == std::string_view("group"))
+    for (const scene::ParticleGroup& group : scene.dem->particles) names.push_back(group.name);
+  else
+    for (const scene::Material& material : scene.dem->materials) names.push_back(material.name);
+  return names;
+}
+
 // Camera, floor and colours that suit all frames.
 View view_of_all(const fs::path& folder, const std::vector<std::string>& names, const scene::Scene& scene,
-                 const SphereField& field, const PictureSize& size) {
+                 const ColourField& field, const PictureSize& size) {
   View view;
   view.up = upwards(scene);
   view.size = size;
@@ -101,8 +111,11 @@ View view_of_all(const fs::path& folder, const std::vector<std::string>& names, 
                 "output.particles of the scene puts the spheres into them");
   view.camera = scene.output.camera.value_or(extents.camera(size.aspect()));
   view.floor = extents.lowest() - 1e-3 * norm(view.camera.target - view.camera.eye);
-  const std::string title = fmt::format("{} [{}]", field.name, field.unit);
-  view.scale = field.from_zero ? range.from_zero(title) : range.whole(title);
+  if (field.scale == ColourField::Scale::whole)
+    view.scale = range.whole(field.title());
+  else
+    view.scale = range.from_zero(field.title());
+  if (field.scale == ColourField::Scale::named) view.scale.names = names_of(scene, field);
   return view;
 }
 
@@ -127,7 +140,7 @@ PictureSize parse_picture_size(const std::string& text) {
 std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& scene,
                                  const MovieOptions& options) {
   expect_tools();
-  const SphereField& field = sphere_field(options.colour_by);
+  const ColourField& field = colour_field(options.colour_by);
   const std::vector<std::string> names = frame_names(folder);
   if (names.size() < 2)
     throw Error(ErrorCode::usage, fmt::format("the run has {} frames, too few for a film", names.size()),

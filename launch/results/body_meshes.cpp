@@ -10,8 +10,6 @@
 namespace tandem::launch {
 namespace {
 
-constexpr int round_segments = 64;  // of round walls, for display
-
 void append(TriangleMesh& mesh, const TriangleMesh& part) {
   const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());

@@ -10,6 +10,8 @@
 
 namespace tandem::launch {
 
+inline constexpr int round_segments = 64;  // of round walls, for display
+
 struct BodyMesh {
   BodyId body = ground;
   std::string name;

@@ -17,7 +17,9 @@
 #include "launch/results/disk_error.hpp"
 #include "launch/results/rows.hpp"
 #include "launch/results/series/body_series.hpp"
+#include "launch/results/series/contact_series.hpp"
 #include "launch/results/series/particle_series.hpp"
+#include "launch/results/wall_fields.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -67,6 +69,8 @@ struct Results::State {
     std::vector<BodyMesh> drawn = body_meshes(scene, meshes, shapes);
     if (particles || !drawn.empty()) prepared(folder / frames_folder);
     if (particles) particle_series.emplace(folder);
+    if (!scene.output.contacts.empty()) contact_series.emplace(folder);
+    if (!scene.output.wall_fields.empty()) wall_fields.emplace(scene, meshes, drawn);
     if (!drawn.empty()) body_series.emplace(folder, std::move(drawn));
     if (const auto columns = scene::sensor_columns(scene); !columns.empty())
       sensors.emplace(folder / sensors_file, with_time(columns));
@@ -87,6 +91,51 @@ struct Results::State {
   std::size_t element_columns = 0;
   std::optional<ParticleSeries> particle_series;
   std::optional<BodySeries> body_series;
+  std::optional<WallFields> wall_fields;
+  std::optional<ContactSeries> contact_series;
+
+  // The columns that the scene asks for.
+  std::vector<ParticleSeries::Column> columns_of(const protocol::ParticlesFrame& frame) const {
+    using scene::SphereField;
+    std::vector<ParticleSeries::Column> columns;
+    const auto column = [&](SphereField field, auto values) {
+      columns.push_back({std::string(scene::sphere_field_names[static_cast<std::size_t>(field)]), values});
+    };
+    const auto by_group = [&](auto value_of) {
+      std::vector<std::uint32_t> values;
+      values.reserve(frame.id.size());
+      for (const std::uint32_t id : frame.id) values.push_back(value_of(group_of_sphere.at(id)));
+      return values;
+    };
+    const auto of_contacts = [&](std::size_t which) {
+      constexpr std::size_t stride = protocol::ParticlesFrame::contact_values;
+      if (frame.contacts.size() != stride * frame.id.size())
+        throw Error(ErrorCode::protocol, "a frame lacks the contacts of the spheres", "dem_server",
+                    "send them, or do without can_observe_contacts");
+      std::vector<float> values(frame.id.size());
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = frame.contacts[stride * i + which];
+      return values;
+    };
+    for (const SphereField field : scene.output.fields) switch (field) {
+        case SphereField::group:
+          column(field, by_group([](std::uint32_t group) { return group; }));
+          break;
+        case SphereField::material:
+          column(field,
+                 by_group([&](std::uint32_t group) { return scene.dem->particles[group].material.value; }));
+          break;
+        case SphereField::contact_count: {
+          const std::vector<float> counts = of_contacts(0);
+          column(field, std::vector<std::uint32_t>(counts.begin(), counts.end()));
+          break;
+        }
+        case SphereField::mean_stress:
+          column(field, of_contacts(1));
+      }
+    return columns;
+  }
+
+  std::vector<std::uint32_t> group_of_sphere;  // by id
 
   // The frame that is being written: one at a time, in order.
   std::optional<protocol::BodiesFrame> frame_bodies;
@@ -162,6 +211,10 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
   append(*state_->elements, bodies->elements);
 }
 
+void Results::set_groups(std::vector<std::uint32_t> group_of_sphere) {
+  state_->group_of_sphere = std::move(group_of_sphere);
+}
+
 protocol::ParticlesFrame& Results::particles_to_write() {
   state_->wait();
   if (!state_->frame_particles) state_->frame_particles.emplace();
@@ -178,8 +231,11 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
   auto write = [&s, time, check = std::move(check)] {
     if (check && s.frame_particles) check(*s.frame_particles);
     try {
-      if (s.particle_series) s.particle_series->append(*s.frame_particles);
-      if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr);
+      if (s.particle_series) s.particle_series->append(*s.frame_particles, s.columns_of(*s.frame_particles));
+      if (s.contact_series) s.contact_series->append(*s.frame_particles);
+      std::vector<std::vector<CellColumn>> cells;
+      if (s.wall_fields) cells = s.wall_fields->of(*s.frame_particles);
+      if (s.body_series) s.body_series->append(time, s.frame_bodies ? &*s.frame_bodies : nullptr, cells);
     } catch (const Error& error) {
       throw Error(error.code(), fmt::format("{} (frame of t = {:.6g} s)", error.problem(), to_seconds(time)),
                   error.where(), error.hint());
@@ -203,6 +259,7 @@ void Results::finish() {
   }
   if (state_->particle_series) state_->particle_series->finish();
   if (state_->body_series) state_->body_series->finish();
+  if (state_->contact_series) state_->contact_series->finish();
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -34,6 +34,9 @@ class Results {
   void begin_with(const std::filesystem::path& earlier, const std::vector<RowMark>& marks);
   // One row per window end; nullptr where that solver is absent.
   void record(Nanoseconds time, const protocol::BodiesFrame* bodies, const protocol::LoadSet* loads);
+  // Group and material of each sphere by its id, for frames whose scene asks for them. Call before the first
+  // frame.
+  void set_groups(std::vector<std::uint32_t> group_of_sphere);
   // Memory for the particles of the next frame, which are then not copied. Waits for the previous frame.
   protocol::ParticlesFrame& particles_to_write();
   // Checks and writes one frame of the ParaView series concurrently with the run; waits for the previous

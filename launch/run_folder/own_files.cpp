@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 constexpr std::array own_names{
     std::string_view(summary_name),     std::string_view("run.log"),     std::string_view("bodies.csv"),
     std::string_view("joints.csv"),     std::string_view("windows.csv"), std::string_view("border.csv"),
-    std::string_view("elements.csv"),   std::string_view("control.csv"), std::string_view("particles.h5"),
+    std::string_view("elements.csv"),   std::string_view("sensors.csv"), std::string_view("control.csv"),
+    std::string_view("particles.h5"),   std::string_view("contacts.h5"), std::string_view("contacts.xdmf"),
     std::string_view("particles.xdmf"), std::string_view("bodies.h5"),   std::string_view("bodies.xdmf"),
     std::string_view("report.html"),    std::string_view("report.log"),  std::string_view("picture.png"),
     std::string_view("picture.pov"),    std::string_view("picture.log"), std::string_view("movie.mp4"),
@@ -50,7 +51,7 @@ bool is_frame(std::string_view name) {
   if (name == "surfaces.h5") return true;
   if (!name.ends_with(".h5")) return false;
   name.remove_suffix(3);
-  for (const std::string_view series : {"particles_", "bodies_"})
+  for (const std::string_view series : {"particles_", "bodies_", "contacts_"})
     if (name.starts_with(series)) return is_number(name.substr(series.size()));
   return false;
 }

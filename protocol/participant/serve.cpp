@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <future>
 #include <new>
+#include <type_traits>
 
 #include "common/log.hpp"
 #include "protocol/checks.hpp"
@@ -91,6 +93,8 @@ class Server {
         return meet_file(order);
       case Kind::observe:
         return observe();
+      case Kind::snapshot:
+        return snapshot();
       default:
         link_.read_nothing();
         answer(Kind::report, solver_.report());
@@ -102,8 +106,11 @@ class Server {
   // of the connection since.
   template <class... Value>
   void answer(Kind kind, const Value&... value) {
-    if (link_.pending()) link_.receive(in_time(), "the end");  // throws: only a failure is allowed here
+    expect_no_end();
     link_.send(kind, value..., in_time());
+  }
+  void expect_no_end() {
+    if (link_.pending()) link_.receive(in_time(), "the end");  // throws: only a failure is allowed here
   }
 
   void configure() {
@@ -236,7 +243,9 @@ class Server {
   void observe() {
     Nanoseconds now;
     link_.read(now);
-    link_.check([&] { link_.progress().expect_now(now); });
+    bool kept = false;
+    link_.check([&] { kept = link_.progress().use_snapshot(now); });
+    if (kept) return send_snapshot();
     const auto& frame = solver_.observe();
     const Kind kind = link_.session().role() == Role::mbd ? Kind::bodies : Kind::particles;
     link_.vouch(kind, [&] {
@@ -244,6 +253,30 @@ class Server {
       check_values(frame);
     });
     answer(kind, frame);
+  }
+
+  // The frame of a snapshot is read, checked and encoded while the solver advances.
+  void snapshot() {
+    Nanoseconds now;
+    link_.read(now);
+    link_.check([&] { link_.progress().expect_now(now); });
+    if constexpr (std::is_base_of_v<LoadSolver, AnySolver>) {
+      if (reading_.valid()) reading_.get();
+      solver_.snapshot();
+      link_.progress().take_snapshot();
+      reading_ = std::async(std::launch::async, [this, now] {
+        const ParticlesFrame& frame = solver_.read_snapshot();
+        if (frame.time != now) throw ProtocolError(Violation::wrong_time, "time is not that of the snapshot");
+        check_values(frame);
+        encode(snapshot_, frame);
+      });
+    }
+    answer(Kind::done);
+  }
+  void send_snapshot() {
+    link_.vouch(Kind::particles, [&] { reading_.get(); });
+    expect_no_end();
+    link_.send_encoded(Kind::particles, snapshot_, in_time());
   }
 
   void publish(const Window& window) {
@@ -255,9 +288,11 @@ class Server {
   AnySolver& solver_;
   ServeOptions options_;
   BoundaryBodies bodies_;
-  LoadSet loads_;      // ordered
-  MotionSet motion_;   // ordered
-  ControlSet inputs_;  // ordered
+  LoadSet loads_;              // ordered
+  MotionSet motion_;           // ordered
+  ControlSet inputs_;          // ordered
+  Bytes snapshot_;             // encoded
+  std::future<void> reading_;  // last: its destructor waits for the thread, which uses the members above
 };
 
 template <class AnySolver>

@@ -55,6 +55,12 @@ class LoadSolver : public Solver {
   // the window, divided by its length.
   virtual const LoadSet& advance(const MotionSet& motion) = 0;
   virtual const ParticlesFrame& observe() = 0;
+  // can_snapshot: keeps what observe() would return now. read_snapshot() returns it, once, and may be called
+  // by another thread while the solver advances.
+  virtual void snapshot() { throw Error(ErrorCode::protocol, "cannot keep a snapshot"); }
+  virtual const ParticlesFrame& read_snapshot() {
+    throw Error(ErrorCode::protocol, "cannot keep a snapshot");
+  }
   // can_linearise: stiffness and damping of the contacts of each boundary body at the end of the last
   // window.
   virtual const TangentSet& linearise() { throw Error(ErrorCode::protocol, "cannot linearise"); }

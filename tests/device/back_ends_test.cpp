@@ -410,6 +410,66 @@ TEST_P(BackEnds, TangentsAreTheSame) {
   EXPECT_GT(touched, 3);
 }
 
+// Also before the first window, and on spheres in shared memory.
+TEST_P(BackEnds, ContactsOfSpheresHaveTheSameBits) {
+  auto scene = nlohmann::json::parse(falling_spheres(GetParam().law, GetParam().options));
+  scene["output"]["fields"] = {"contact_count", "mean_stress"};
+  const std::string json = scene.dump();
+  ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
+  const auto memory = through_memory(json);
+  const std::vector<dem::BodyPose> poses(cpu.surface.boundary_bodies.size(), {{}, Quat{}.matrix(), {}, {}});
+  std::uint32_t contacts = 0;
+  for (int w = 0; w < 12; ++w) {
+    dem::ContactsFrame expected, found;
+    cpu.engine->download({poses, dt}, expected);
+    for (const std::uint32_t count : expected.count) contacts += count;
+    for (ParticleRun* cuda : {&resident, memory.get()}) {
+      cuda->engine->download({poses, dt}, found);
+      EXPECT_EQ(found.count, expected.count) << "window " << w;
+      EXPECT_EQ(found.mean_stress, expected.mean_stress) << "window " << w;
+      cuda->advance(400, dt);
+    }
+    cpu.advance(400, dt);
+    EXPECT_EQ(dem::state_hash(resident.state()), dem::state_hash(cpu.state())) << "window " << w;
+  }
+  EXPECT_GT(contacts, 100u);
+}
+
+// What spheres do to walls, the contacts of a body, and the dissipated energy, where the law has it.
+TEST_P(BackEnds, SumsOfWallsAndEnergiesHaveTheSameBits) {
+  auto scene = nlohmann::json::parse(falling_spheres(GetParam().law, GetParam().options));
+  const std::string law = GetParam().law;
+  scene["output"] = {{"wall_fields", {"plate", "box"}}, {"contacts", {"ground"}}};
+  scene["output"]["dissipation"] = law == "hertz_mindlin" || law == "hertz_frictionless" || law == "hooke";
+  for (const char* wall : {"box", "post", "floor"})
+    scene["dem"]["sensors"].push_back({{"name", std::string("on_") + wall}, {"wall", wall}});
+  const std::string json = scene.dump();
+  ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
+  const auto memory = through_memory(json);
+  const std::vector<dem::BodyPose> poses(cpu.surface.boundary_bodies.size(), {{}, Quat{}.matrix(), {}, {}});
+  const std::vector<std::uint8_t> wanted(poses.size(), 1);
+  const auto values = [](const std::vector<dem::BodyContact>& contacts) {
+    std::vector<double> all;
+    for (const dem::BodyContact& c : contacts)
+      all.insert(all.end(), {static_cast<double>(c.sphere), c.point.x, c.point.y, c.point.z, c.force.x,
+                             c.force.y, c.force.z});
+    return all;
+  };
+  std::size_t contacts = 0;
+  for (int w = 0; w < 12; ++w) {
+    const std::vector<double> of_body = values(cpu.engine->body_contacts({poses, dt}, wanted)),
+                              means = cpu.advance(400, dt).wall_means, fields = cpu.engine->wall_fields();
+    contacts += of_body.size();
+    for (ParticleRun* cuda : {&resident, memory.get()}) {
+      EXPECT_EQ(values(cuda->engine->body_contacts({poses, dt}, wanted)), of_body) << "window " << w;
+      EXPECT_EQ(cuda->advance(400, dt).wall_means, means) << "window " << w;
+      EXPECT_EQ(cuda->engine->wall_fields(), fields) << "window " << w;
+      EXPECT_EQ(cuda->engine->dissipated(), cpu.engine->dissipated()) << "window " << w;
+    }
+  }
+  EXPECT_GT(contacts, 100u);
+}
+
 // Restart files rely on this.
 TEST_P(BackEnds, AnotherEngineContinuesToTheSameBits) {
   const std::string json = falling_spheres(GetParam().law, GetParam().options);

@@ -48,6 +48,13 @@ class BrokenLoad final : public LoadSolver {
     if (fault_.frame) fault_.frame(frame_);
     return frame_;
   }
+  void snapshot() override { solver_->snapshot(); }
+  const ParticlesFrame& read_snapshot() override {
+    snapshot_ = solver_->read_snapshot();
+    if (fault_.frame) fault_.frame(snapshot_);
+    if (fault_.snapshot) fault_.snapshot(snapshot_);
+    return snapshot_;
+  }
   const TangentSet& linearise() override {
     tangents_ = solver_->linearise();
     if (fault_.tangents) fault_.tangents(tangents_);
@@ -59,7 +66,7 @@ class BrokenLoad final : public LoadSolver {
   LoadFault fault_;
   std::unique_ptr<LoadSolver> solver_ = dem::make_solver();
   LoadSet loads_;
-  ParticlesFrame frame_;
+  ParticlesFrame frame_, snapshot_;
   TangentSet tangents_;
   std::vector<BodyLoad> last_loads_;
   bool residue_ = false;

@@ -16,7 +16,7 @@ struct LoadFault {
   std::function<void(protocol::MotionSet&)> path{};  // before the solver gets it
   // After the window; `given` is the path that the coordinator sent.
   std::function<void(protocol::LoadSet&, const protocol::MotionSet& given)> load{};
-  std::function<void(protocol::ParticlesFrame&)> frame{};
+  std::function<void(protocol::ParticlesFrame&)> frame{}, snapshot{};
   std::function<void(protocol::TangentSet&)> tangents{};
   bool delays_load = false;       // gives the load of the last window
   bool restores_roughly = false;  // the first window after restore has other bits

@@ -8,8 +8,10 @@ namespace tandem::test {
 // Sanitizers make a run ten times slower; fewer spheres execute the same code.
 #if defined(TANDEM_SANITIZED)
 inline constexpr int falling_count = 150;
+inline constexpr bool sanitized = true;
 #else
 inline constexpr int falling_count = 600;
+inline constexpr bool sanitized = false;
 #endif
 
 // Loose spheres fall into a box with a slanted plate, a post and a knob: contacts with neighbours, faces,

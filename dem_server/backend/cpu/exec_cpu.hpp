@@ -73,6 +73,11 @@ class CpuExec : public CpuTraits {
     std::copy_n(from.data(), to.size(), to.begin());
     if constexpr (sizeof...(more) > 0) download(more...);
   }
+  void mark() {}
+  template <class T>
+  void download_marked(const Buffer<T>& from, std::span<T> to) {
+    download(from, to);
+  }
   template <class T>
   void copy(const Buffer<T>& from, Buffer<T>& to) {
     to.resize(from.size());

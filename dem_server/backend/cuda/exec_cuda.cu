@@ -67,10 +67,12 @@ CudaExec::CudaExec() {
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaStreamCreateWithFlags(&second_stream_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaEventCreateWithFlags(&reached_, cudaEventDisableTiming), "making an event");
+  check_cuda(cudaStreamCreateWithFlags(&aside_, cudaStreamNonBlocking), "opening a stream");
+  check_cuda(cudaEventCreateWithFlags(&marked_, cudaEventDisableTiming), "making an event");
   check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
-  int device = 0, major = 0;
-  check_cuda(cudaGetDevice(&device), "asking for the device");
-  check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
+  int major = 0;
+  check_cuda(cudaGetDevice(&device_), "asking for the device");
+  check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device_),
              "asking for the device's capability");
   overlaps_ = major >= 9;
 }
@@ -78,7 +80,9 @@ CudaExec::CudaExec() {
 CudaExec::~CudaExec() {
   forget_captured();
   cudaFreeHost(landing_);
+  if (marked_ != nullptr) cudaEventDestroy(marked_);
   if (reached_ != nullptr) cudaEventDestroy(reached_);
+  if (aside_ != nullptr) cudaStreamDestroy(aside_);
   if (second_stream_ != nullptr) cudaStreamDestroy(second_stream_);
   if (stream_ != nullptr) cudaStreamDestroy(stream_);
 }
@@ -87,6 +91,9 @@ CudaExec::CudaExec(CudaExec&& other) noexcept
     : stream_(std::exchange(other.stream_, nullptr)),
       second_stream_(std::exchange(other.second_stream_, nullptr)),
       reached_(std::exchange(other.reached_, nullptr)),
+      aside_(std::exchange(other.aside_, nullptr)),
+      marked_(std::exchange(other.marked_, nullptr)),
+      device_(other.device_),
       executable_(std::exchange(other.executable_, nullptr)),
       landing_(std::exchange(other.landing_, nullptr)),
       scratch_(std::move(other.scratch_)),
@@ -118,6 +125,21 @@ void CudaExec::finish_downloads() {
   landed_ = 0;
   check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
   for (const Download& d : landing) std::memcpy(d.to, landing_ + d.at, d.bytes);
+}
+
+void CudaExec::mark() {
+  check_cuda(cudaEventRecord(marked_, stream_), "marking work");
+}
+
+// The calling thread has to choose the device, and must not be disturbed by a capture in the other thread.
+void CudaExec::copy_marked(const void* from, void* to, std::size_t bytes) {
+  check_cuda(cudaSetDevice(device_), "choosing the device");
+  cudaStreamCaptureMode mode = cudaStreamCaptureModeRelaxed;
+  check_cuda(cudaThreadExchangeStreamCaptureMode(&mode), "allowing copies beside a capture");
+  check_cuda(cudaStreamWaitEvent(aside_, marked_), "ordering work");
+  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, aside_), "copying from the device");
+  check_cuda(cudaStreamSynchronize(aside_), "waiting for the device");
+  check_cuda(cudaThreadExchangeStreamCaptureMode(&mode), "allowing copies beside a capture");
 }
 
 void CudaExec::forget_captured() {

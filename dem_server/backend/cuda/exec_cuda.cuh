@@ -139,6 +139,11 @@ class CudaExec : public CudaTraits {
     else
       finish_downloads();
   }
+  void mark();
+  template <class T>
+  void download_marked(const Buffer<T>& from, std::span<T> to) {
+    copy_marked(from.data(), to.data(), to.size_bytes());
+  }
   template <class T>
   void copy(const Buffer<T>& from, Buffer<T>& to) {
     to.resize(from.size());
@@ -372,6 +377,7 @@ class CudaExec : public CudaTraits {
   void order(cudaStream_t sooner, cudaStream_t later);
   void begin_download(const void* from, void* to, std::size_t bytes);
   void finish_downloads();
+  void copy_marked(const void* from, void* to, std::size_t bytes);
 
   // Calls a CUB algorithm with scratch memory of the size that it requests.
   template <class Algorithm>
@@ -387,6 +393,10 @@ class CudaExec : public CudaTraits {
 
   cudaStream_t stream_ = nullptr, second_stream_ = nullptr;
   cudaEvent_t reached_ = nullptr;  // recorded by a stream that another one waits for
+  // Of mark() and download_marked().
+  cudaStream_t aside_ = nullptr;
+  cudaEvent_t marked_ = nullptr;
+  int device_ = 0;
   cudaGraphExec_t executable_ = nullptr;
   // Small copies to the host go through pinned memory: a copy to pageable memory would synchronise each time.
   struct Download {

@@ -57,9 +57,18 @@ BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh
   write_index();
 }
 
-void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame) {
+void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame,
+                        const std::vector<std::vector<CellColumn>>& columns) {
   const std::string name = frame_file("bodies", frames_);
   Hdf5File file = Hdf5File::create(folder_ / name);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    grids_[i].attributes.resize(1);  // without those of the frame before
+    for (const CellColumn& column : columns[i])
+      grids_[i].attributes.push_back({column.name, Center::cell,
+                                      in_file(name, file.write("/" + bodies_[i].name + "." + column.name,
+                                                               std::span<const double>(column.values),
+                                                               column.width, Storage::compressed))});
+  }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const BodyMesh& body = bodies_[i];
     if (body.body == ground) continue;

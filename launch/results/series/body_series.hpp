@@ -1,7 +1,8 @@
 // bodies.h5 + bodies.xdmf: the surfaces of all bodies in their world position, frame by frame. HDF5:
 // /bodies/NAME has the constant data: triangles (m x 3), body (m; -1 is the ground), vertices [m] (n x 3; the
 // ground's in the world, a body's in its own frame). /frame_000000/NAME has the vertices in the world [m] (n
-// x 3); "time" [s] is an attribute of the frame's group. Each of these groups is a link to a separate file:
+// x 3), and /frame_000000/NAME.pressure etc. the columns of its triangles; "time" [s] is an attribute of the
+// frame's group. Each of these groups is a link to a separate file:
 // frames/surfaces.h5, frames/bodies_000000.h5.
 #pragma once
 
@@ -11,6 +12,7 @@
 #include "launch/results/body_meshes.hpp"
 #include "launch/results/series/frame_file.hpp"
 #include "launch/results/series/xdmf.hpp"
+#include "launch/results/wall_fields.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::launch {
@@ -19,8 +21,10 @@ class BodySeries {
  public:
   // `folder` contains the folder for frames.
   BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh> bodies);
-  // `frame` may be null where only the ground is drawn.
-  void append(Nanoseconds time, const protocol::BodiesFrame* frame);
+  // `frame` may be null where only the ground is drawn. `columns`: cell data of each body, in their order, or
+  // empty.
+  void append(Nanoseconds time, const protocol::BodiesFrame* frame,
+              const std::vector<std::vector<CellColumn>>& columns = {});
   // After this, bodies.h5 and bodies.xdmf list all frames; before, most of them.
   void finish();
 

@@ -10,16 +10,16 @@ ParticleSeries::ParticleSeries(const std::filesystem::path& folder)
   write_index();
 }
 
-void ParticleSeries::append(const protocol::ParticlesFrame& frame) {
+void ParticleSeries::append(const protocol::ParticlesFrame& frame, const std::vector<Column>& columns) {
   std::vector<float> speed(frame.id.size());
   for (std::size_t i = 0; i < speed.size(); ++i) {
     speed[i] = std::hypot(frame.velocity[3 * i], frame.velocity[3 * i + 1], frame.velocity[3 * i + 2]);
   }
   const std::string name = frame_file("particles", frames_);
   Hdf5File file = Hdf5File::create(folder_ / name);
-  const auto write = [&]<class T>(const char* dataset, const std::vector<T>& values, std::size_t columns = 1,
-                                  Storage storage = Storage::plain) {
-    DatasetInfo info = file.write(dataset, std::span<const T>(values), columns, storage);
+  const auto write = [&]<class T>(const char* dataset, const std::vector<T>& values,
+                                  std::size_t per_sphere = 1, Storage storage = Storage::plain) {
+    DatasetInfo info = file.write(dataset, std::span<const T>(values), per_sphere, storage);
     info.file = name;
     return info;
   };
@@ -41,6 +41,12 @@ void ParticleSeries::append(const protocol::ParticlesFrame& frame) {
   add("velocity", write("/velocity", frame.velocity, 3));
   add("spin", write("/spin", frame.spin, 3));
   add("id", write("/id", frame.id, 1, Storage::compressed));
+  for (const Column& column : columns)
+    std::visit(
+        [&](const auto& values) {
+          add(column.name.c_str(), write(("/" + column.name).c_str(), values, 1, Storage::compressed));
+        },
+        column.values);
   const double time = to_seconds(frame.time);
   file.set_attribute("/", "time", time);
   file.commit();

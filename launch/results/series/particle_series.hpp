@@ -5,6 +5,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "launch/results/series/frame_file.hpp"
 #include "launch/results/series/xdmf.hpp"
@@ -16,7 +19,12 @@ class ParticleSeries {
  public:
   // `folder` contains the folder for frames.
   explicit ParticleSeries(const std::filesystem::path& folder);
-  void append(const protocol::ParticlesFrame& frame);
+  // More columns of the spheres, one value for each. They are in the file as /NAME, and in ParaView.
+  struct Column {
+    std::string name;
+    std::variant<std::vector<std::uint32_t>, std::vector<float>> values;
+  };
+  void append(const protocol::ParticlesFrame& frame, const std::vector<Column>& columns = {});
   // After this, particles.h5 and particles.xdmf list all frames; before, most of them.
   void finish();
 

@@ -81,6 +81,7 @@ class CodecTarget : public Target {
         take(checkpoint_);
         return check_values(checkpoint_);
       case Kind::observe:
+      case Kind::snapshot:
         return take(time_);
       case Kind::bodies:
         take(bodies_frame_);

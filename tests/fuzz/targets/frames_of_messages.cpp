@@ -105,6 +105,7 @@ std::vector<protocol::Bytes> frames_of_messages() {
   for (const Kind kind : {Kind::save, Kind::restore, Kind::done, Kind::finish, Kind::linearise})
     frames.add(kind);
   frames.add(Kind::observe, Nanoseconds{8'000'000});
+  frames.add(Kind::snapshot, Nanoseconds{8'000'000});
   BodiesFrame bodies;
   bodies.time = {8'000'000};
   bodies.bodies = {{0, 0, {{1, 2, 3}, {}}, {}}, {3, 0, {{3, 2, 1}, {}}, {}}};

@@ -60,7 +60,7 @@ class Replay(ReplayCase):
             self.assertRegex(said, rf"different: {value}: replayed [-.\de]+, recorded [-.\de]+, difference 0.125\n")
             self.assertRegex(said, r"\d+ answers before it are equal")
             if role == "dem":
-                self.assertRegex(said, r"\d orders to linearise are left out")
+                self.assertRegex(said, r"\d orders to linearise or keep a frame are left out")
 
     def test_restart_files_are_read_and_stay(self):
         self.run_scene("hanging_box.json", "--end-time", "0.012", "--checkpoint-every", "1", out=self.folder / "first")

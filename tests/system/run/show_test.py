@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """`tandem preview` and `tandem movie`: pictures that exist, move and are refused with what is missing."""
+import csv
 import json
 import os
 import subprocess
@@ -18,10 +19,11 @@ class Show(Case):
         self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
         return result.stdout + result.stderr
 
-    def run_with_frames(self):
-        """The folder of a run of hanging_box with three frames."""
+    def run_with_frames(self, end_time=0.05, **output):
+        """The folder of a run of hanging_box with three frames. Spheres touch each other and the box at 0.1 s."""
         scene = json.loads((harness.SCENES / "hanging_box.json").read_text())
-        scene["output"] = {"frame_interval": 0.025}
+        scene["end_time"] = end_time
+        scene["output"] = {"frame_interval": end_time / 2, **output}
         (self.folder / "box.json").write_text(json.dumps(scene))
         self.say("run", "box.json", "--out", self.out, "--no-picture", "--no-report", "--quiet")
         return self.out
@@ -56,6 +58,60 @@ class Show(Case):
         before = (out / "movie.mp4").read_bytes()
         self.say("movie", out, "--size", "320x180", "--colour-by", "radius", "--output", "again.mp4")
         self.assertEqual((self.folder / "again.mp4").read_bytes(), before)
+
+    def test_fields_of_spheres_are_in_frames(self):
+        fields = ["group", "material", "contact_count", "mean_stress"]
+        out = self.run_with_frames(0.1, fields=fields)
+        with_fields = self.summary()["state_hash"]
+        script = "import h5py, json, sys; frames = h5py.File(sys.argv[1]); " \
+                 "print(json.dumps([{name: data[()].tolist() for name, data in frame.items() if data.ndim == 1} for frame in frames.values()]))"
+        # The system's own Python has h5py (launch/packages.txt).
+        said = subprocess.run(["/usr/bin/python3", "-c", script, out / "particles.h5"], capture_output=True, text=True, check=True).stdout
+        frames = json.loads(said)
+        self.assertEqual(len(frames), 3)
+        for frame in frames:
+            self.assertEqual([len(frame[field]) for field in fields], [64] * 4)
+            self.assertEqual(set(frame["group"]) | set(frame["material"]), {0})
+            self.assertTrue(all((count > 0) == (stress != 0) for count, stress in zip(frame["contact_count"], frame["mean_stress"])))
+        self.assertEqual(sum(frames[0]["contact_count"]), 0, "the spheres start apart")
+        self.assertGreater(sum(frames[2]["contact_count"]), 0)
+        index = (out / "particles.xdmf").read_text()
+        for field in fields:
+            self.assertEqual(index.count(f'Name="{field}"'), 3, field)
+        self.assertRegex(self.say("movie", out, "--size", "160x90", "--colour-by", "group"), "3 frames")
+        self.run_with_frames(0.1)
+        self.assertEqual(self.summary()["state_hash"], with_fields)
+        self.assertRegex(self.say("movie", out, "--colour-by", "group", expect=2), "the frames of this run have no 'group' .*fields")
+
+    def test_fields_of_walls_add_up_to_the_load(self):
+        out = self.run_with_frames(0.1, wall_fields=["inside"], contacts=["box"], dissipation=True)
+        summary = self.summary()
+        with_fields = summary["state_hash"]
+        self.assertGreater(summary["dem_dissipated_J"]["normal_damping"], 0)
+        script = "import h5py, json, sys; " \
+                 "frames = [[{name: data[()].tolist() for name, data in frame.items() if hasattr(data, 'shape')} for key, frame in " \
+                 "h5py.File(name).items() if key.startswith('frame')] for name in sys.argv[1:]]; print(json.dumps(frames))"
+        said = subprocess.run(["/usr/bin/python3", "-c", script, out / "bodies.h5", out / "contacts.h5"], capture_output=True, text=True,
+                              check=True).stdout
+        bodies, contacts = json.loads(said)
+        self.assertEqual([len(bodies), len(contacts)], [3, 3])
+        with open(out / "bodies.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 100)
+        for number, frame in enumerate(bodies[1:]):
+            self.assertEqual([len(frame["box.pressure"]), len(frame["box.shear_stress"]), len(frame["box.friction_work"])], [10] * 3)
+            for axis, name in enumerate("xyz"):
+                load = sum(float(row[f"box.contact_force.{name}"]) for row in rows[50 * number:50 * number + 50]) / 50
+                self.assertAlmostEqual(sum(force[axis] for force in frame["box.force"]), load, delta=1e-7 * (1 + abs(load)))
+            self.assertNotIn("box.wear_depth", frame, "the material has no hardness")
+        self.assertEqual(len(contacts[0]["sphere"]), 0, "the spheres start apart")
+        self.assertGreater(len(contacts[2]["sphere"]), 0)
+        self.assertEqual(set(contacts[2]["body"]), {0})
+        self.assertLess(sum(force[2] for force in contacts[2]["force"]), 0)
+        self.assertEqual((out / "bodies.xdmf").read_text().count('Name="pressure" AttributeType="Scalar" Center="Cell"'), 3)
+        self.run_with_frames(0.1)
+        self.assertEqual(self.summary()["state_hash"], with_fields)
+        self.assertFalse((out / "contacts.xdmf").exists(), "of the run before")
 
     def test_movie_refuses(self):
         self.assertRegex(self.say("movie", self.folder, expect=2), "holds no run")

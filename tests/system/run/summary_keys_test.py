@@ -81,6 +81,7 @@ class SummaryKeys(Case):
                                   "region": {"type": "box", "min": [-1, -1, -1], "max": [1, 1, -0.9]}}]
         box["dem"]["walls"][0]["surface_velocity"] = [0.1, 0, 0]
         box["dem"]["sensors"] = [{"name": "inside", "body": "box", "flow": "z", "shape": {"type": "box", "size": [0.2, 0.2, 0.2]}}]
+        box.setdefault("output", {})["dissipation"] = True
         self.look_at(box, "--end-time", "0.03", "--checkpoint-every", "1", out="first")
         self.look_at(box, "--end-time", "0.05", "--restart", self.folder / "first", out="second")
         self.look_at(SCENES / "pendulum.json", out="pendulum")

@@ -93,6 +93,18 @@ TEST(SensorColumns, ThePageHasTheChannels) {
   expect_on_page("sensor channels", sensor_channels_as_markdown());
 }
 
+TEST(SensorColumns, OfAWallAreItsLoads) {
+  Scene scene;
+  scene.dem.emplace();
+  ParticleSensor& sensor = scene.dem->sensors.emplace_back();
+  sensor.name = "on_gate";
+  sensor.wall = "gate";
+  EXPECT_EQ(
+      sensor_columns(scene),
+      (std::vector<std::string>{"on_gate.force.x", "on_gate.force.y", "on_gate.force.z",
+                                "on_gate.normal_force", "on_gate.shear_force", "on_gate.friction_power"}));
+}
+
 TEST(SensorColumns, FlowOnlyWhereTheSensorHasAnAxis) {
   Scene scene;
   EXPECT_THAT(sensor_columns(scene), testing::IsEmpty());

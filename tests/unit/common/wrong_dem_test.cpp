@@ -333,6 +333,15 @@ const WrongScene wrong_dem[] = {
      "dem.sensors[0].name: a body, joint, element or part of the results is called 'summary' as well, so "
      "that "
      "columns would be mixed up (give the sensor another name, such as 'summary_content')"},
+    {"SensorOfNothing", R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate"}]}])",
+     "dem.sensors[0]: the sensor has neither 'shape' nor 'wall' (give 'shape', a region whose spheres are "
+     "measured, or 'wall', the name of a wall)"},
+    {"SensorOfAWallWithAnAxis",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "wall": "post", "flow": "x"}]}])",
+     "dem.sensors[0]: 'flow' is of a region, and this is the sensor of a wall (leave it out)"},
+    {"SensorOfAnUnknownWall",
+     R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "wall": "pots"}]}])",
+     "dem.sensors[0].wall: there is no wall 'pots' (did you mean 'post'?)"},
     {"SensorOfACylinderAcrossIt",
      R"([{"op": "add", "path": "/dem/sensors", "value": [{"name": "gate", "shape": {"type": "cylinder", "radius": 1, "height": 1}, "flow": "x"}]}])",
      "dem.sensors[0].flow: a cylinder has different lengths along x and y, so that no flow follows (measure "

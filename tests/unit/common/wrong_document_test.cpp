@@ -140,6 +140,42 @@ const WrongScene wrong_document[] = {
      "output.plots[0]: no signal matches '*.pressure_*' (there are, among others: coil.loss_energy, "
      "coil.loss_power, coil.stored_energy, coil.power, coil.speed, coil.torque, spring.loss_energy, "
      "spring.loss_power, spring.stored_energy, spring.power, spring.velocity, spring.length)"},
+    {"FieldsOfSpheresThatFramesLack",
+     R"([{"op": "add", "path": "/output/fields", "value": ["group"]}, {"op": "add", "path": "/output/particles", "value": false}])",
+     "output.fields: are columns of the spheres in frames, and frames of this scene have none (leave out "
+     "output.fields, or write \"particles\": true)"},
+    {"WallFieldsWithoutSpheres", R"([{"op": "add", "path": "/output/wall_fields", "value": ["inside"]}])",
+     "output.wall_fields: come with the spheres in frames, and frames of this scene have none (leave it out, "
+     "or write \"particles\": true)"},
+    {"WallFieldsOfAnUnknownWall",
+     R"([{"op": "add", "path": "/output/particles", "value": true}, {"op": "add", "path": "/output/wall_fields", "value": ["insid"]}])",
+     "output.wall_fields[0]: there is no wall 'insid' (did you mean 'inside'?)"},
+    {"WallFieldsOfAPlane",
+     R"([{"op": "add", "path": "/output/particles", "value": true}, {"op": "add", "path": "/output/wall_fields", "value": ["inside", "floor"]}])",
+     "output.wall_fields[1]: the wall 'floor' is a plane, one surface without triangles (give a box or a "
+     "mesh)"},
+    {"WallFieldsOfARoundCylinder",
+     R"([{"op": "add", "path": "/output/particles", "value": true}, {"op": "remove", "path": "/dem/walls/2/shape/segments"},
+         {"op": "add", "path": "/output/wall_fields", "value": ["post"]}])",
+     "output.wall_fields[0]: the wall 'post' is a round cylinder, one surface without triangles (give its "
+     "shape 'segments')"},
+    {"WearOfAWallWithoutHardness",
+     R"([{"op": "add", "path": "/output/particles", "value": true}, {"op": "add", "path": "/dem/pairs/1/wear_coefficient", "value": 0.001},
+         {"op": "add", "path": "/output/wall_fields", "value": ["inside"]}])",
+     "output.wall_fields[0]: the material 'steel' of the wall 'inside' wears, with a wear_coefficient of "
+     "0.001, and has no hardness (give the material 'hardness' [Pa], or leave the wear_coefficient out)"},
+    {"ContactsOfABodyWithoutWalls",
+     R"([{"op": "add", "path": "/output/particles", "value": true}, {"op": "add", "path": "/output/contacts", "value": ["ground", "bird"]}])",
+     "output.contacts[1]: the body 'bird' carries no wall, so that spheres pass through it (leave it out, or "
+     "give it a wall)"},
+    {"ContactsOfAnUnknownBody",
+     R"([{"op": "add", "path": "/output/particles", "value": true}, {"op": "add", "path": "/output/contacts", "value": ["crat"]}])",
+     "output.contacts: unknown name 'crat' (did you mean 'crate'?)"},
+    {"DissipationOfALawThatDoesNotTellIt",
+     R"([{"op": "add", "path": "/output/dissipation", "value": true}, {"op": "replace", "path": "/dem/contact", "value": "sjkr"},
+         {"op": "add", "path": "/dem/materials/0/cohesion_energy_density", "value": 10}, {"op": "add", "path": "/dem/materials/1/cohesion_energy_density", "value": 10}])",
+     "output.dissipation: the contact law of the scene does not tell what its dampers or its adhesion "
+     "dissipate (leave it out, or choose hertz_mindlin, hertz_frictionless or hooke)"},
     {"PlotOfTooManyStars", R"([{"op": "add", "path": "/output/plots", "value": ["*a*b*c*d*"]}])",
      "output.plots[0]: '*a*b*c*d*' has more than four * (write one pattern for each chart)"},
     {"CheckOfAMisspeltNumberOfTheSummary",

@@ -163,6 +163,12 @@ std::vector<LoadCase> broken_loads() {
              for (std::size_t i = 0; i < f.id.size(); ++i) f.id[i] = static_cast<std::uint32_t>(i);
            }},
       {"lost_particle", "inlets", "outlet"});
+  add({.name = "late_snapshot",
+       .snapshot =
+           [](ParticlesFrame& f) {
+             for (double& x : f.position) x += 1e-6;
+           }},
+      {"snapshot"});
   add({.name = "unwrapped",
        .frame =
            [](ParticlesFrame& f) {

@@ -224,5 +224,62 @@ TEST(Sensors, AreMeasuredAtTheStart) {
   EXPECT_EQ(configured.sensors[count], 320);
 }
 
+// Spheres fall on a floor and a step of the ground, and on the blade of a tool: each wall has its part of the
+// load, two sensors of one wall the same, and those of all walls of a body its contact force.
+TEST(Sensors, OfWallsMeasureTheirPartOfTheLoad) {
+  json scene = tool_scene();
+  auto& fill = scene["dem"]["particles"][0]["fill"];
+  fill["min"] = {0, 0, 0.03}, fill["max"] = {0.5, 0.1, 0.13};
+  scene["mbd"]["bodies"][0]["position"] = {0.25, 0.05, 0.005};
+  scene["dem"]["walls"].push_back({{"name", "step"},
+                                   {"material", "m"},
+                                   {"position", {0.1, 0.05, 0}},
+                                   {"shape", {{"type", "box"}, {"size", {0.1, 0.2, 0.01}}}}});
+  scene["dem"]["domain"] = {{"min", {-1, -1, -0.02}}, {"max", {1.5, 1.1, 0.3}}};
+  for (const char* wall : {"floor", "step", "blade", "floor"})
+    scene["dem"]["sensors"].push_back(
+        {{"name", std::string("on_") + wall + std::to_string(scene["dem"]["sensors"].size())},
+         {"wall", wall}});
+  scene["dem"]["sensors"].push_back({{"name", "all"}, {"shape", {{"type", "box"}, {"size", {4, 4, 4}}}}});
+  log::setup("test", "error");
+  protocol::Configuration c;
+  c.scene_text = scene.dump();
+  c.origin = "walls.json";
+  c.backend = "cpu";
+  const auto solver = dem::make_solver();
+  constexpr std::size_t channels = 6;
+  const std::vector<double> at_start = solver->configure(c).sensors;
+  ASSERT_EQ(at_start.size(), 4 * channels + 11);
+  EXPECT_EQ(at_start[2], 0) << "nothing has happened yet";
+  EXPECT_EQ(at_start[4 * channels], 320) << "the sensor of a region comes after those of the walls";
+  protocol::BodyMotion tool{};
+  tool.begin_pose = tool.end_pose = {{0.25, 0.05, 0.005}, {}};
+  double largest = 0, friction = 0;
+  for (std::uint64_t w = 0; w < 150; ++w) {
+    protocol::MotionSet motion;
+    motion.window = {w, Nanoseconds{static_cast<std::int64_t>(w) * 1'000'000},
+                     Nanoseconds{static_cast<std::int64_t>(w + 1) * 1'000'000}};
+    motion.bodies = {tool};
+    const protocol::LoadSet& loads = solver->advance(motion);
+    ASSERT_EQ(loads.bodies.size(), 2u);
+    const auto of = [&](std::size_t sensor, int axis) {
+      return loads.sensors[sensor * channels + static_cast<std::size_t>(axis)];
+    };
+    for (int a = 0; a < 3; ++a) {
+      const double on_ground = loads.bodies[0].body == ground.value ? loads.bodies[0].mean.force[a]
+                                                                    : loads.bodies[1].mean.force[a],
+                   on_tool = loads.bodies[0].body == ground.value ? loads.bodies[1].mean.force[a]
+                                                                  : loads.bodies[0].mean.force[a];
+      EXPECT_NEAR(of(0, a) + of(1, a), on_ground, 1e-8);
+      EXPECT_NEAR(of(2, a), on_tool, 1e-8);
+      EXPECT_EQ(of(3, a), of(0, a));
+    }
+    largest = std::max({largest, std::min(-of(0, 2), -of(1, 2))});
+    friction += loads.sensors[5] + loads.sensors[channels + 5];
+  }
+  EXPECT_GT(largest, 0.1) << "spheres lie on the floor and on the step";
+  EXPECT_GT(friction, 0);
+}
+
 }  // namespace
 }  // namespace tandem::test

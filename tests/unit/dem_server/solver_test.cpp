@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -80,6 +81,43 @@ struct OneSolver {
 };
 
 const std::string at_rest = "0,0,0.01,0,0,0\n0.05,0,0.01,0,0,0\n";
+
+TEST(Solver, ObservesContactsWhereTheSceneAsksForThem) {
+  const Falling two{.options = "", .lines = "0,0,0.00995,0,0,0\n0.1,0,0.1,0,0,0\n"};
+  protocol::Configuration with = two.configuration();
+  json scene = json::parse(with.scene_text);
+  scene["output"]["fields"] = {"mean_stress"};
+  with.scene_text = scene.dump();
+  const auto solver = dem::make_solver();
+  solver->configure(with);
+  const std::vector<float> contacts = solver->observe().contacts;  // before the first window
+  ASSERT_EQ(contacts.size(), 2 * protocol::ParticlesFrame::contact_values);
+  EXPECT_EQ(contacts[0], 1);
+  EXPECT_GT(contacts[1], 0);
+  EXPECT_EQ(contacts[2], 0);
+  EXPECT_EQ(contacts[3], 0);
+  EXPECT_NE(solver->capabilities() & protocol::can_observe_contacts, 0u);
+  OneSolver without(two);
+  EXPECT_TRUE(without.solver->observe().contacts.empty());
+}
+
+TEST(Solver, ASnapshotIsTheFrameOfItsTimeAndIsReadWhileTheSolverAdvances) {
+  OneSolver one({.options = "", .lines = "0,0,0.05,0,0,0\n0.1,0,0.1,0,0,0\n"});
+  one.advance(1);
+  const protocol::ParticlesFrame then = one.solver->observe();
+  one.solver->snapshot();
+  const protocol::ParticlesFrame* kept = nullptr;
+  std::jthread reader([&] { kept = &one.solver->read_snapshot(); });
+  one.advance(3);
+  reader.join();
+  EXPECT_EQ(kept->time, then.time);
+  EXPECT_EQ(kept->id, then.id);
+  EXPECT_EQ(kept->position, then.position);
+  EXPECT_EQ(kept->velocity, then.velocity);
+  EXPECT_EQ(kept->spin, then.spin);
+  EXPECT_EQ(kept->radius, then.radius);
+  EXPECT_NE(one.solver->observe().position, then.position);
+}
 
 TEST(MicroStep, AutoKeepsToTheShorterOfBothTimes) {
   OneSolver left_out({"", at_rest}), automatic({R"("micro_step": "auto",)", at_rest});

@@ -15,7 +15,7 @@ using testing::IsEmpty;
 
 constexpr std::uint64_t every_capability = can_predict | can_rollback | can_interpolate | can_window_mean |
                                            can_linearise | can_extrapolate | can_control | can_checkpoint |
-                                           can_observe_elements;
+                                           can_observe_elements | can_observe_contacts | can_observe_walls;
 // What a particle solver that only steps forward has.
 constexpr std::uint64_t forward = can_interpolate | can_window_mean;
 
@@ -141,6 +141,26 @@ TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
   EXPECT_EQ(needed_of_mbd(scene), 0u);
   scene.mbd->sensors = {"motor.power"};
   EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+}
+
+TEST(Needs, ContactsOfSpheresAreNeededWhereFramesHaveThem) {
+  scene::Scene scene = box();
+  scene.output.fields = {scene::SphereField::group, scene::SphereField::material};
+  EXPECT_EQ(needed_of_dem(scene) & can_observe_contacts, 0u) << "the coordinator knows them itself";
+  scene.output.fields.push_back(scene::SphereField::mean_stress);
+  EXPECT_EQ(needed_of_dem(scene) & can_observe_contacts, std::uint64_t{can_observe_contacts});
+  EXPECT_THAT(refusal(scene, every_capability, every_capability & ~can_observe_contacts),
+              HasSubstr("output.fields 'mean_stress' needs the contacts of the spheres in frames, which "
+                        "liggghts 3.8 does not offer (leave 'mean_stress' out of output.fields)"));
+}
+
+TEST(Needs, FieldsOfWallsAndContactsOfBodiesNeedTheirCapabilities) {
+  scene::Scene scene = box();
+  EXPECT_EQ(needed_of_dem(scene) & (can_observe_contacts | can_observe_walls), 0u);
+  scene.output.wall_fields = {"box"};
+  EXPECT_EQ(needed_of_dem(scene) & can_observe_walls, std::uint64_t{can_observe_walls});
+  scene.output.contacts = {ground};
+  EXPECT_EQ(needed_of_dem(scene) & can_observe_contacts, std::uint64_t{can_observe_contacts});
 }
 
 }  // namespace

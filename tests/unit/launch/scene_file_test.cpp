@@ -9,6 +9,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/parse.hpp"
+#include "launch/coordinator/half_steps.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -208,6 +209,19 @@ TEST(SceneText, OfPlainScenesIsUnchanged) {
     EXPECT_TRUE(scene::parse(text, entry.path().string()).is_plain) << entry.path();
     EXPECT_EQ(read_scene(entry.path()).text, text) << entry.path();
   }
+}
+
+// The second run of --estimate richardson has no spheres in its frames, and nothing that belongs to them.
+TEST(HalfSteps, HaveNoFieldsOfSpheresOrWalls) {
+  SceneFile file = read_scene(std::string(TANDEM_SOURCE_DIR) + "/tests/system/scenes/hanging_box.json");
+  nlohmann::json json = nlohmann::json::parse(file.text);
+  json["output"] = {{"fields", {"group"}}, {"wall_fields", {"inside"}}, {"contacts", {"box"}}};
+  file.text = json.dump();
+  file.scene = scene::parse(file.text, "box.json");
+  const SceneFile half = with_half_steps(file);
+  EXPECT_NO_THROW(scene::validate(half.scene, "box.json"));
+  EXPECT_TRUE(half.scene.output.fields.empty() && half.scene.output.wall_fields.empty() &&
+              half.scene.output.contacts.empty());
 }
 
 }  // namespace

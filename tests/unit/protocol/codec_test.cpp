@@ -260,6 +260,26 @@ TEST(ParticlesFrameSize, IsThatOfItsPayload) {
     Bytes bytes;
     encode(bytes, frame);
     EXPECT_EQ(size_of_particles_frame(n), bytes.size()) << n << " spheres";
+    ParticlesFrame with_contacts = frame;
+    with_contacts.contacts.resize(ParticlesFrame::contact_values * n);
+    bytes.clear();
+    encode(bytes, with_contacts);
+    EXPECT_EQ(size_of_particles_frame(n, true), bytes.size()) << n << " spheres";
+    // The arrays at the end are told apart where the first is empty.
+    ParticlesFrame with_walls = frame, read;
+    with_walls.walls = {1, 2, 3, 4, 5, 6, 7};
+    bytes.clear();
+    encode(bytes, with_walls);
+    decode(bytes, read);
+    EXPECT_TRUE(read.contacts.empty() && read.of_bodies.empty());
+    EXPECT_EQ(read.walls, with_walls.walls);
+    with_walls.walls.clear();
+    with_walls.of_bodies = {-1, 2, 3, 4, 5, 6, 7, 8};
+    bytes.clear();
+    encode(bytes, with_walls);
+    decode(bytes, read);
+    EXPECT_TRUE(read.contacts.empty() && read.walls.empty());
+    EXPECT_EQ(read.of_bodies, with_walls.of_bodies);
   }
   EXPECT_LT(size_of_particles_frame(76'000'000), max_payload);
   EXPECT_GT(size_of_particles_frame(77'000'000), max_payload);

@@ -41,7 +41,7 @@ TEST(SessionTable, EveryStateIsReachedAndLeft) {
               reached.insert(v.next);
     }
     const std::set<SessionState> others =
-        role == Role::mbd ? std::set{SessionState::loading, SessionState::linearising}
+        role == Role::mbd ? std::set{SessionState::loading, SessionState::linearising, SessionState::copying}
                           : std::set{SessionState::predicting, SessionState::extrapolating,
                                      SessionState::controlling, SessionState::moving};
     for (const SessionState state : all_states)
@@ -158,6 +158,7 @@ Bytes payload(Kind kind, Role role) {
       encode(out, load.linearise());
       break;
     case Kind::observe:
+    case Kind::snapshot:
       encode(out, Nanoseconds{0});
       break;
     case Kind::bodies:
@@ -334,6 +335,7 @@ TEST(SessionCells, TheCoordinatorTakesOrRefusesEachMessageInEachState) {
        }},
       {Role::mbd, SessionState::observing, Kind::observe, [](Remote& r) { r.observe_bodies({0}); }},
       {Role::dem, SessionState::observing, Kind::observe, [](Remote& r) { r.observe_particles({0}); }},
+      {Role::dem, SessionState::copying, Kind::snapshot, [](Remote& r) { r.snapshot({0}); }},
       {Role::mbd, SessionState::finishing, Kind::finish, [](Remote& r) { r.finish(); }},
       {Role::dem, SessionState::finishing, Kind::finish, [](Remote& r) { r.finish(); }},
   };

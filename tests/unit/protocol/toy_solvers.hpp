@@ -130,8 +130,10 @@ class ToyLoad : public LoadSolver {
   void checkpoint(const Checkpoint&) override {}
   void resume(const Checkpoint& file) override { now_ = file.time; }
   std::uint64_t capabilities() const override {
-    return LoadSolver::capabilities() | can_linearise | can_checkpoint;
+    return LoadSolver::capabilities() | can_linearise | can_checkpoint | can_snapshot;
   }
+  void snapshot() override { snapshot_ = observe(); }
+  const ParticlesFrame& read_snapshot() override { return snapshot_; }
   const ParticlesFrame& observe() override {
     frame_.time = now_;
     frame_.id = {0, 2};
@@ -149,7 +151,7 @@ class ToyLoad : public LoadSolver {
   Nanoseconds now_, saved_;
   LoadSet out_;
   TangentSet tangents_;
-  ParticlesFrame frame_;
+  ParticlesFrame frame_, snapshot_;
 };
 
 }  // namespace tandem::protocol::test

@@ -102,12 +102,13 @@ TEST(Movie, SizesAreEvenAndNamed) {
 }
 
 TEST(Movie, FieldsOfSpheresAreNamed) {
-  EXPECT_STREQ(sphere_field("spin").unit, "rad/s");
+  EXPECT_STREQ(colour_field("spin").unit, "rad/s");
   try {
-    sphere_field("sped");
+    colour_field("sped");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(error.hint().find("speed, radius, spin"), std::string::npos);
+    EXPECT_NE(error.hint().find("speed, radius, spin, group, material, contact_count, mean_stress"),
+              std::string::npos);
   }
 }
 

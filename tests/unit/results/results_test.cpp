@@ -1,6 +1,7 @@
 #include "launch/results/results.hpp"
 
 #include "common/error.hpp"
+#include "launch/results/series/hdf5.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
 namespace tandem::launch {
@@ -78,6 +79,98 @@ TEST(Results, ParticlesOnly) {
   EXPECT_EQ(last(results.bodies(), "ground.contact_force.z"), -7);
   EXPECT_TRUE(std::filesystem::exists(folder / "particles.xdmf"));
   EXPECT_TRUE(std::filesystem::exists(folder / "bodies.xdmf"));
+}
+
+TEST(Results, FramesHaveTheFieldsThatTheSceneAsksFor) {
+  const toy::Folder folder;
+  scene::Scene scene = toy::machine();
+  scene.mbd.reset();
+  scene.dem->walls.clear();
+  scene.dem->particles = {{.name = "sand", .material = {1}}, {.name = "gravel", .material = {0}}};
+  using Field = scene::SphereField;
+  scene.output.fields = {Field::mean_stress, Field::group, Field::material, Field::contact_count};
+  Results results(folder, scene, {});
+  results.set_groups({0, 0, 1, 1});
+  protocol::ParticlesFrame frame{
+      {0}, {0, 2, 3}, std::vector<double>(9), std::vector<float>(9), std::vector<float>(9), {1, 1, 1}};
+  results.write_frame({0}, nullptr, &frame);
+  EXPECT_THROW(results.finish(), Error) << "no contacts";
+  frame.contacts = {3, 1.5f, 0, 0, 12, -2.5f};
+  results.write_frame({0}, nullptr, &frame);
+  results.finish();
+  const Hdf5File file = Hdf5File::open(folder / "particles.h5");
+  EXPECT_EQ(file.read_indices("/frame_000000/group"), (std::vector<std::uint32_t>{0, 1, 1}));
+  EXPECT_EQ(file.read_indices("/frame_000000/material"), (std::vector<std::uint32_t>{1, 0, 0}));
+  EXPECT_EQ(file.read_indices("/frame_000000/contact_count"), (std::vector<std::uint32_t>{3, 0, 12}));
+  EXPECT_EQ(file.read_doubles("/frame_000000/mean_stress"), (std::vector<double>{1.5, 0, -2.5}));
+  const std::string index = toy::text_of(folder / "particles.xdmf");
+  for (const std::string_view field : scene::sphere_field_names)
+    EXPECT_NE(index.find("Name=\"" + std::string(field) + '"'), std::string::npos) << field;
+}
+
+// The bin of the ground has ten triangles after those of the floor; the rim of the wheel is another body's.
+TEST(Results, FramesHaveTheFieldsOfWalls) {
+  const toy::Folder folder;
+  scene::Scene scene = toy::machine();
+  scene.dem->materials = {{.name = "steel", .density = 1, .young = 1, .poisson = 0, .hardness = 2e9}};
+  scene.output.wall_fields = {"bin"};
+  Results results(folder, scene, {});
+  constexpr std::size_t stride = protocol::ParticlesFrame::wall_values;
+  auto particles = toy::particles_frame(0.5, 2);
+  const auto bodies = toy::bodies_frame(0.5);
+  const auto write = [&] {
+    results.write_frame(particles.time, &bodies, &particles);
+    results.particles_to_write();  // waits
+  };
+  EXPECT_THROW(write(), Error) << "no values";
+  particles.walls.assign(10 * stride, 1.0);
+  write();
+  particles.time = to_nanoseconds(1);
+  for (std::size_t i = 0; i < particles.walls.size(); ++i)
+    particles.walls[i] += static_cast<double>(i % stride) + 10.0 * static_cast<double>(i / stride);
+  write();
+  results.finish();
+  const Hdf5File file = Hdf5File::open(folder / "bodies.h5");
+  const auto values = [&](const std::string& name) {
+    return file.read_doubles("/frame_000001/ground." + name);
+  };
+  const std::vector<double> force = values("force"), pressure = values("pressure"),
+                            wear = values("wear_depth"), work = values("friction_work");
+  const std::size_t floor = pressure.size() - 10, triangle = floor + 2;
+  EXPECT_GT(floor, 0u);
+  EXPECT_TRUE(std::isnan(pressure[0])) << "of the floor nothing is known";
+  constexpr double area = 0.5, interval = 0.5;
+  EXPECT_DOUBLE_EQ(force[3 * triangle + 1], (20 + 1) / interval);
+  EXPECT_DOUBLE_EQ(pressure[triangle], (20 + 3) / interval / area);
+  EXPECT_DOUBLE_EQ(values("shear_stress")[triangle], (20 + 4) / interval / area);
+  EXPECT_DOUBLE_EQ(work[triangle], (1 + 20 + 5) / area);
+  EXPECT_DOUBLE_EQ(wear[triangle], (1 + 20 + 6) / area / 2e9);
+  EXPECT_TRUE(std::isnan(file.read_doubles("/frame_000000/ground.pressure")[triangle]))
+      << "no time has passed";
+  EXPECT_FALSE(file.has("/frame_000001/wheel.pressure"));
+  EXPECT_NE(toy::text_of(folder / "bodies.xdmf")
+                .find("Name=\"wear_depth\" AttributeType=\"Scalar\" Center=\"Cell\""),
+            std::string::npos);
+}
+
+TEST(Results, FramesHaveTheContactsOfBodies) {
+  const toy::Folder folder;
+  scene::Scene scene = toy::machine();
+  scene.output.contacts = {ground};
+  Results results(folder, scene, {});
+  auto particles = toy::particles_frame(0.5, 2);
+  const auto bodies = toy::bodies_frame(0.5);
+  results.write_frame(particles.time, &bodies, &particles);
+  particles.of_bodies = {-1, 7, 1, 2, 3, 4, 5, 6, -1, 9, 10, 20, 30, 40, 50, 60};
+  results.particles_to_write();
+  results.write_frame(particles.time, &bodies, &particles);
+  results.finish();
+  const Hdf5File file = Hdf5File::open(folder / "contacts.h5");
+  EXPECT_TRUE(file.read_doubles("/frame_000000/point").empty());
+  EXPECT_EQ(file.read_doubles("/frame_000001/point"), (std::vector<double>{1, 2, 3, 10, 20, 30}));
+  EXPECT_EQ(file.read_doubles("/frame_000001/force"), (std::vector<double>{4, 5, 6, 40, 50, 60}));
+  EXPECT_EQ(file.read_doubles("/frame_000001/body"), (std::vector<double>{-1, -1}));
+  EXPECT_EQ(file.read_indices("/frame_000001/sphere"), (std::vector<std::uint32_t>{7, 9}));
 }
 
 // The check gets each frame, also where its memory is that of the results.
