@@ -41,6 +41,9 @@ struct EnergyBalance {
   double diffusion = 0;       // of density diffusion
   double ghost = 0;           // of the hydrostatic part of the pressure behind walls, relative to the walls
   double walls = 0;           // of moving walls on the liquid
+  // Work on bodies of the loads that they exchange at common edges; it is no energy of the liquid, and zero
+  // where these bodies do not move apart.
+  double edges = 0;
   double changes() const { return gravity + viscosity + bulk_viscosity + diffusion + ghost + walls; }
 };
 
@@ -67,7 +70,9 @@ class LiquidEngine {
   // Moves particles apart under the same pressure [Pa] for all, without gravity and with velocities reduced
   // to a part `damping` in each step, until walls and particles fill the space evenly.
   virtual void pack(double pressure, double dt, double damping, int steps) = 0;
-  // Force of the liquid on each body and its torque about the origin of the body, at the current state.
+  // Force of the liquid on each body and its torque about the origin of the body, at the current state. Where
+  // walls of two bodies meet, the loads include what each exerts on the other through the ghost liquid behind
+  // them; their sum is the exact opposite of the force on the liquid.
   virtual std::vector<Wrench> loads() const = 0;
   virtual EnergyBalance energies() const = 0;
   virtual StepFigures figures() const = 0;

@@ -161,6 +161,7 @@ class LiquidEngineOf final : public LiquidEngine {
     e.diffusion = of(Power::diffusion);
     e.ghost = of(Power::ghost);
     e.walls = of(Power::walls);
+    e.edges = of(Power::edges);
     return e;
   }
 

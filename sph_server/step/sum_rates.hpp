@@ -11,6 +11,7 @@
 #include "sph_server/equations/pair_terms.hpp"
 #include "sph_server/equations/state.hpp"
 #include "sph_server/equations/wall_terms.hpp"
+#include "sph_server/kernel/common_edge.hpp"
 #include "sph_server/kernel/visible_part.hpp"
 #include "sph_server/step/arrays.hpp"
 #include "sph_server/step/tally.hpp"
@@ -30,7 +31,10 @@ struct Quanta {
   dem::Quantum torque;        // [N m]
 };
 
-// The integrals over what x sees of facet k; `height` is its distance.
+// Facets of two bodies meet where the gap between them is below this [spacings].
+inline constexpr double edge_gap = 0.25;
+
+// The integrals over what x sees of facet k.
 TANDEM_HD inline FacetIntegrals seen_integrals(Vec3d x, const NearWalls& near, int k,
                                                const WallKernel& kernel, bool& overflow) {
   const NearFacet& f = near.facet[k];
@@ -142,14 +146,17 @@ struct SumRates {
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
     NearWalls near;
     walls->find(x, wall_kernel.R, near);
-    bool overflow = near.overflow;
+    bool overflow = near.overflow, of_one_body = true;
+    bool seen[NearWalls::most];
     const double pressure = static_cast<double>(liquid.state[i].pressure),
                  volume = static_cast<double>(liquid.state[i].volume), mass = properties.mass();
     for (int k = 0; k < near.count; ++k) {
       const NearFacet& f = near.facet[k];
       const double height = dot(x - f.a, f.normal);
       const FacetIntegrals integrals = seen_integrals(x, near, k, wall_kernel, overflow);
-      if (integrals.surface == 0 && integrals.shadow == 0) continue;
+      seen[k] = integrals.surface != 0 || integrals.shadow != 0;
+      of_one_body = of_one_body && f.body == near.facet[0].body;
+      if (!seen[k]) continue;
       const dem::BodyPose& pose = walls->poses()[f.body];
       const Vec3d normal = height < 0 ? -f.normal : f.normal, arm = x - pose.p,
                   v_wall = pose.v + cross(pose.w, arm);
@@ -168,6 +175,40 @@ struct SumRates {
       tally.add(Power::walls, mass * dot(total, v_wall), quanta.power);
     }
     tally.crowded_by_facets += overflow ? 1 : 0;
+    if (!of_one_body) add_common_edges(x, near, seen, pressure, volume, tally, bodies);
+  }
+
+  // Loads that the ghost liquid behind walls of two bodies passes from one to the other at their common
+  // edges. The liquid does not notice them.
+  void add_common_edges(Vec3d x, const NearWalls& near, const bool* seen, double pressure, double volume,
+                        Tally& tally, BodySum* bodies) const {
+    const double mass = properties.mass();
+    for (int k = 0; k < near.count; ++k)
+      for (int other = 0; other < near.count; ++other) {
+        const NearFacet &f = near.facet[k], &g = near.facet[other];
+        if (f.body == g.body || !seen[k] || !seen[other]) continue;
+        Vec3d strip[4];
+        if (!strip_beyond({{f.a, f.b, f.c}, f.normal}, {{g.a, g.b, g.c}, g.normal}, x, 2 * wall_kernel.R,
+                          edge_gap * properties.spacing, strip))
+          continue;
+        const FacetIntegrals integrals = facet_integrals(x, strip, 4, f.normal, wall_kernel);
+        const Vec3d normal = dot(x - f.a, f.normal) < 0 ? -f.normal : f.normal;
+        const double push = volume * wall.inverse_mass *
+                            (2 * pressure * integrals.surface + dot(wall.weight, integrals.moment));
+        const Vec3d force = dem::rounded(-push * normal, quanta.acceleration);
+        const dem::BodyPose &pose_f = walls->poses()[f.body], &pose_g = walls->poses()[g.body];
+        const Vec3d arm_f = x - pose_f.p, arm_g = x - pose_g.p, torque_f = mass * cross(arm_f, force),
+                    torque_g = mass * cross(arm_g, force);
+        for (int a = 0; a < 3; ++a) {
+          const std::int64_t one = dem::to_fixed(force[a], quanta.acceleration);
+          bodies[f.body].acceleration[a] += one;
+          bodies[g.body].acceleration[a] -= one;
+          bodies[f.body].torque[a] += dem::to_fixed(torque_f[a], quanta.torque);
+          bodies[g.body].torque[a] -= dem::to_fixed(torque_g[a], quanta.torque);
+        }
+        const Vec3d apart = pose_f.v + cross(pose_f.w, arm_f) - pose_g.v - cross(pose_g.w, arm_g);
+        tally.add(Power::edges, mass * dot(force, apart), quanta.power);
+      }
   }
 };
 

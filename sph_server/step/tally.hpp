@@ -8,9 +8,10 @@
 
 namespace tandem::sph {
 
-// Powers that change the energy of the liquid, each computed from its own forces.
-enum class Power : std::uint8_t { gravity, viscosity, bulk_viscosity, diffusion, ghost, walls };
-inline constexpr int powers = 6;
+// Powers that change the energy of the liquid, each computed from its own forces, and that of loads which
+// bodies exchange at their common edges.
+enum class Power : std::uint8_t { gravity, viscosity, bulk_viscosity, diffusion, ghost, walls, edges };
+inline constexpr int powers = 7;
 
 struct Tally {
   std::int64_t power[powers]{};

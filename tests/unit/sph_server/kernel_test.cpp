@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sph_server/kernel/common_edge.hpp"
 #include "sph_server/kernel/facet_integrals.hpp"
 #include "sph_server/kernel/visible_part.hpp"
 #include "sph_server/kernel/wendland.hpp"
@@ -148,6 +149,28 @@ TEST(VisiblePart, OfAFloorEndsAtASheet) {
   for (int k = 0; k < parts.count; ++k)
     again += facet_integrals(x, parts.part[k].corner.data(), parts.part[k].count, {0, 0, 1}, kernel);
   EXPECT_NEAR(again.surface, expected.surface, 1e-8);
+}
+
+// Floor and sheet of the triangles above: with the strips beyond its edges a facet acts as its whole plane.
+TEST(CommonEdge, ContinuesTheFloorBehindTheSheet) {
+  const WallKernel kernel = WallKernel::of(0.3, 0);
+  const Vec3d x{0.07, 0, 0.1};
+  const Triangle sheet{{{0, -4, 0}, {0, 4, 0}, {0, 0, 4}}, {1, 0, 0}},
+      floor{{{-4, -9, 0}, {4, -9, 0}, {0, 9, 0}}, {0, 0, 1}};
+  Vec3d strip[4];
+  ASSERT_TRUE(strip_beyond(floor, sheet, x, 0.6, 1e-6, strip));
+  const Vec3d seen[4] = {{0, -2, 0}, {2, -2, 0}, {2, 2, 0}, {0, 2, 0}};
+  const FacetIntegrals whole = square(x, 2, kernel), part = facet_integrals(x, seen, 4, {0, 0, 1}, kernel);
+  EXPECT_NEAR(part.surface + facet_integrals(x, strip, 4, {0, 0, 1}, kernel).surface, whole.surface, 1e-11);
+  // Below its edge on the floor, the sheet continues.
+  ASSERT_TRUE(strip_beyond(sheet, floor, x, 0.6, 1e-6, strip));
+  for (const Vec3d corner : strip) EXPECT_LE(corner.z, 1e-12);
+  // A sheet that ends above the floor, and one beside it.
+  const Triangle above{{{0, -4, 0.1}, {0, 4, 0.1}, {0, 0, 4}}, {1, 0, 0}},
+      beside{{{0, 4, 0}, {0, 8, 0}, {0, 6, 4}}, {1, 0, 0}};
+  EXPECT_FALSE(strip_beyond(above, floor, x, 0.6, 0.05, strip));
+  EXPECT_TRUE(strip_beyond(above, floor, x, 0.6, 0.15, strip));
+  EXPECT_FALSE(strip_beyond(beside, floor, x, 0.6, 0.05, strip));
 }
 
 }  // namespace

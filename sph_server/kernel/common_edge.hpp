@@ -1,0 +1,63 @@
+// Where facets of two bodies meet. Behind one of them is ghost liquid, which would press on the ghost liquid
+// behind the other one. Without that, each wall alone carries too little near the edge: as much as if it ended
+// some 0.3 spacings before it.
+#pragma once
+
+#include <cmath>
+
+#include "common/math/vec3.hpp"
+
+namespace tandem::sph {
+
+struct Triangle {
+  Vec3d corner[3];  // [m]
+  Vec3d normal;     // unit, along (corner[1] - corner[0]) x (corner[2] - corner[0])
+};
+
+// Shrinks the part [begin, end] of the line origin + s direction (a unit vector) to what is in the triangle.
+// Next to an edge that is parallel to it, the line may be outside by `tolerance`.
+TANDEM_HD inline void limit_to(const Triangle& t, Vec3d origin, Vec3d direction, double tolerance, double& begin,
+                               double& end) {
+  constexpr double parallel = 0.05;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d edge = t.corner[k < 2 ? k + 1 : 0] - t.corner[k], inward = normalized(cross(t.normal, edge));
+    const double at = dot(origin - t.corner[k], inward), slope = dot(direction, inward);
+    if (std::fabs(slope) < parallel) {
+      if (at < -tolerance) end = begin;
+    } else if (slope > 0) {
+      begin = std::fmax(begin, -at / slope);
+    } else {
+      end = std::fmin(end, -at / slope);
+    }
+  }
+}
+
+// The strip of the plane of `f` that continues beyond `g`, seen from x, along the line where both facets are:
+// four corners, counter-clockwise about the normal of `f`. False where they do not meet within
+// `tolerance` [m], or are nearly parallel. width: of the strip [m].
+TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x, double width, double tolerance,
+                                   Vec3d* strip) {
+  const Vec3d across = cross(f.normal, g.normal);
+  const double sine = norm(across);
+  if (sine < 0.1) return false;
+  const Vec3d along = (1 / sine) * across;
+  // The point of both planes that is nearest to x.
+  const double to_f = dot(f.corner[0] - x, f.normal), to_g = dot(g.corner[0] - x, g.normal),
+               cosine = dot(f.normal, g.normal), inverse = 1 / (sine * sine);
+  const Vec3d origin =
+      x + ((to_f - cosine * to_g) * inverse) * f.normal + ((to_g - cosine * to_f) * inverse) * g.normal;
+  double begin = -width, end = width;
+  limit_to(g, origin, along, tolerance, begin, end);
+  limit_to(f, origin, along, tolerance, begin, end);
+  if (!(begin < end)) return false;
+  Vec3d beyond = cross(along, f.normal);
+  if (dot(beyond, g.normal) * to_g < 0) beyond = -beyond;
+  const bool counter_clockwise = dot(cross(along, beyond), f.normal) > 0;
+  strip[0] = origin + (counter_clockwise ? begin : end) * along;
+  strip[1] = origin + (counter_clockwise ? end : begin) * along;
+  strip[2] = strip[1] + width * beyond;
+  strip[3] = strip[0] + width * beyond;
+  return true;
+}
+
+}  // namespace tandem::sph
