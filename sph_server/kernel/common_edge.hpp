@@ -1,6 +1,6 @@
 // Where facets of two bodies meet. Behind one of them is ghost liquid, which would press on the ghost liquid
-// behind the other one. Without that, each wall alone carries too little near the edge: as much as if it ended
-// some 0.3 spacings before it.
+// behind the other one. Without that, each wall alone carries too little near the edge: as much as if it
+// ended some 0.3 spacings before it.
 #pragma once
 
 #include <cmath>
@@ -16,8 +16,8 @@ struct Triangle {
 
 // Shrinks the part [begin, end] of the line origin + s direction (a unit vector) to what is in the triangle.
 // Next to an edge that is parallel to it, the line may be outside by `tolerance`.
-TANDEM_HD inline void limit_to(const Triangle& t, Vec3d origin, Vec3d direction, double tolerance, double& begin,
-                               double& end) {
+TANDEM_HD inline void limit_to(const Triangle& t, Vec3d origin, Vec3d direction, double tolerance,
+                               double& begin, double& end) {
   constexpr double parallel = 0.05;
   for (int k = 0; k < 3; ++k) {
     const Vec3d edge = t.corner[k < 2 ? k + 1 : 0] - t.corner[k], inward = normalized(cross(t.normal, edge));
@@ -35,8 +35,8 @@ TANDEM_HD inline void limit_to(const Triangle& t, Vec3d origin, Vec3d direction,
 // The strip of the plane of `f` that continues beyond `g`, seen from x, along the line where both facets are:
 // four corners, counter-clockwise about the normal of `f`. False where they do not meet within
 // `tolerance` [m], or are nearly parallel. width: of the strip [m].
-TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x, double width, double tolerance,
-                                   Vec3d* strip) {
+TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x, double width,
+                                   double tolerance, Vec3d* strip) {
   const Vec3d across = cross(f.normal, g.normal);
   const double sine = norm(across);
   if (sine < 0.1) return false;
