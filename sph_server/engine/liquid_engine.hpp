@@ -50,6 +50,7 @@ struct EnergyBalance {
 struct StepFigures {
   double largest_speed = 0;         // [m/s]
   double largest_acceleration = 0;  // [m/s2]
+  double largest_compression = 0;   // largest |rho/rho0 - 1|: some 0.01 where the sound speed suffices [-]
   Vec3d pair_impulse_rate;          // sum of all pair forces [N]: zero
   std::uint64_t rebuilds = 0;       // of the lists since the start
   std::uint64_t passed_walls = 0;   // particles that passed a wall since the start
@@ -63,7 +64,8 @@ class LiquidEngine {
   virtual void set_state(const LiquidState& state, const std::vector<dem::BodyPose>& poses) = 0;
   void set_state(const LiquidState& state) { set_state(state, poses()); }
   virtual LiquidState state() const = 0;
-  // One step of dt [s]. Bodies then have the given poses, one per wall mesh.
+  // One step of dt [s]. Error{numerics} where it is longer than step_limits() of the present speeds and
+  // accelerations allow. Bodies then have the given poses, one per wall mesh.
   virtual void step(double dt, const std::vector<dem::BodyPose>& poses) = 0;
   void step(double dt) { step(dt, poses()); }
   virtual const std::vector<dem::BodyPose>& poses() const = 0;

@@ -92,6 +92,7 @@ class LiquidEngineOf final : public LiquidEngine {
   }
 
   void step(double dt, const std::vector<dem::BodyPose>& poses) override {
+    expect_stable(dt);
     advance_.dt = dt;
     advance_.weight = last_dt_ > 0 ? 0.5 * dt / last_dt_ : 0.5;
     for (int p = 0; p < powers; ++p)
@@ -182,6 +183,17 @@ class LiquidEngineOf final : public LiquidEngine {
   }
 
   Vec3d centre(std::uint32_t i) const { return centres_.metres(centres_.joined(position_[i], fine_[i])); }
+
+  void expect_stable(double dt) const {
+    const StepLimits limits =
+        step_limits(setup_.liquid, figures_.largest_speed, figures_.largest_acceleration);
+    if (dt > 0 && dt <= limits.smallest * (1 + 1e-9)) return;
+    throw Error(ErrorCode::numerics,
+                "a step of " + scene::rounded(dt) + " s, where sound and speed allow " +
+                    scene::rounded(limits.sound) + " s, viscosity " + scene::rounded(limits.viscous) +
+                    " s and acceleration " + scene::rounded(limits.force) + " s",
+                "liquid", "take a step of at most the smallest of them");
+  }
 
   // Periods are whole quanta, so that images are exact.
   void round_periods() {
@@ -275,6 +287,7 @@ class LiquidEngineOf final : public LiquidEngine {
       for (int a = 0; a < 3; ++a) sum.momentum_rate[a] += tallies[t].momentum_rate[a];
       sum.largest_speed2 = std::max(sum.largest_speed2, tallies[t].largest_speed2);
       sum.largest_acceleration2 = std::max(sum.largest_acceleration2, tallies[t].largest_acceleration2);
+      sum.largest_compression = std::max(sum.largest_compression, tallies[t].largest_compression);
       sum.crowded_by_facets += tallies[t].crowded_by_facets;
       for (std::uint32_t b = 0; b < walls_.bodies(); ++b)
         for (int a = 0; a < 3; ++a) {
@@ -290,6 +303,7 @@ class LiquidEngineOf final : public LiquidEngine {
     for (int p = 0; p < powers; ++p) power_[p] = dem::from_fixed(sum.power[p], rates_.quanta.power);
     figures_.largest_speed = std::sqrt(std::bit_cast<double>(sum.largest_speed2));
     figures_.largest_acceleration = std::sqrt(std::bit_cast<double>(sum.largest_acceleration2));
+    figures_.largest_compression = std::bit_cast<double>(sum.largest_compression);
     for (int a = 0; a < 3; ++a)
       figures_.pair_impulse_rate[a] =
           setup_.liquid.mass() * dem::from_fixed(sum.momentum_rate[a], rates_.quanta.acceleration);

@@ -123,6 +123,8 @@ struct SumRates {
     tally.largest_speed2 = std::max(tally.largest_speed2, std::bit_cast<std::int64_t>(norm2(v)));
     tally.largest_acceleration2 =
         std::max(tally.largest_acceleration2, std::bit_cast<std::int64_t>(norm2(acceleration)));
+    tally.largest_compression =
+        std::max(tally.largest_compression, std::bit_cast<std::int64_t>(std::fabs(compression)));
     liquid.acceleration[0][i] = acceleration;
     liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion;
   }

@@ -16,7 +16,7 @@ inline constexpr int powers = 7;
 struct Tally {
   std::int64_t power[powers]{};
   std::int64_t momentum_rate[3]{};  // of the pair forces: zero, if they are antisymmetric
-  std::int64_t largest_speed2 = 0,
+  std::int64_t largest_speed2 = 0, largest_compression = 0,
                largest_acceleration2 = 0;  // as bits of a double, which order like integers
   std::uint32_t crowded_by_facets = 0;
 

@@ -7,6 +7,7 @@
 
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
@@ -53,6 +54,7 @@ TEST(Sheet, StopsALiquidAtATenthOfTheSpeedOfSound) {
   engine->set_state(start);
   const EnergyBalance begin = engine->energies();
   const double dt = jet.step(), mass = jet.setup.liquid.mass();
+  double compressed = 0;
   Vec3d impulse, previous = engine->loads()[0].force;
   for (double t = 0; t < 1.5 * a / speed; t += dt) {
     // The step extrapolates the forces of two steps, as Adams and Bashforth do.
@@ -60,6 +62,7 @@ TEST(Sheet, StopsALiquidAtATenthOfTheSpeedOfSound) {
     impulse += dt * (1.5 * now - 0.5 * previous);
     previous = now;
     engine->step(dt);
+    compressed = std::max(compressed, engine->figures().largest_compression);
   }
   const LiquidState end = engine->state();
   Vec3d momentum;
@@ -73,6 +76,7 @@ TEST(Sheet, StopsALiquidAtATenthOfTheSpeedOfSound) {
   std::printf("a cube of %d particles flies against a sheet at %.0f m/s\n", Jet::edge * Jet::edge * Jet::edge,
               speed);
   expect_figure("particles behind the sheet", 0, behind, 0);
+  EXPECT_GT(compressed, 0.05) << "the liquid must have been stopped hard";
   expect_figure("particles that passed a wall", 0, static_cast<double>(engine->figures().passed_walls), 0);
   std::printf("  impulse of the liquid on the sheet / its momentum %.3f\n", -impulse.x / all);
   expect_figure("impulses on liquid and sheet / momentum", 0, norm(momentum + impulse) / all, 1e-12);
@@ -102,6 +106,18 @@ TEST(Sheet, GetsTheSameBitsFromEveryNumberOfThreads) {
       EXPECT_EQ(torques.back(), torques.front());
     }
   }
+}
+
+TEST(Liquid, RefusesAStepThatIsTooLong) {
+  const Jet jet;
+  const auto engine = make_liquid_engine(jet.setup, true);
+  engine->set_state(jet.start);
+  const double longest = step_limits(jet.setup.liquid, Jet::speed, 0).smallest;
+  EXPECT_EQ(error_of([&] { engine->step(1.01 * longest); }),
+            "numerics: liquid: a step of 0.000114773 s, where sound and speed allow 0.000113636 s, viscosity "
+            "inf s and "
+            "acceleration inf s (take a step of at most the smallest of them)");
+  EXPECT_EQ(error_of([&] { engine->step(longest); }), "no error");
 }
 
 // A box, 12 x 6 spacings, with a sheet in its middle that stands on the floor and touches the sides.

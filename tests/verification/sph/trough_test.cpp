@@ -31,7 +31,8 @@ struct Trough {
     l.artificial = 0.1;
     const double length = deep * l.spacing, top = 1.6 * depth, side = top * std::tan(half_angle);
     TriangleMesh walls;
-    walls.vertices = {{0, 0, 0}, {-side, 0, top}, {side, 0, top}, {0, length, 0}, {-side, length, top}, {side, length, top}};
+    walls.vertices = {{0, 0, 0},      {-side, 0, top},      {side, 0, top},
+                      {0, length, 0}, {-side, length, top}, {side, length, top}};
     walls.triangles = {{0, 3, 4}, {0, 4, 1}, {0, 2, 5}, {0, 5, 3}, {0, 1, 2}, {3, 5, 4}};
     setup.walls = {walls};
     setup.slip = true;
@@ -41,8 +42,8 @@ struct Trough {
     place(depth * depth * std::tan(half_angle) * length);
   }
 
-  // As many particles as their mass asks for, on the places of a slightly denser lattice that are furthest from
-  // the walls; then packed below the lid.
+  // As many particles as their mass asks for, on the places of a slightly denser lattice that are furthest
+  // from the walls; then packed below the lid.
   void place(double volume) {
     const Liquid& l = setup.liquid;
     struct Site {
@@ -60,7 +61,8 @@ struct Trough {
         }
     std::ranges::stable_sort(sites, [](const Site& p, const Site& q) { return p.gap > q.gap; });
     const double mean_compression = g * depth / 3 / (l.sound_speed * l.sound_speed);
-    const auto wanted = static_cast<std::size_t>(std::lround(volume * l.density / l.mass() * (1 + mean_compression)));
+    const auto wanted =
+        static_cast<std::size_t>(std::lround(volume * l.density / l.mass() * (1 + mean_compression)));
     ASSERT_GE(sites.size(), wanted);
     for (std::size_t k = 0; k < wanted; ++k) {
       start.position.push_back(sites[k].x);
@@ -95,16 +97,19 @@ TEST(Trough, HoldsALiquidAtRest) {
   const auto engine = make_liquid_engine(trough.setup, true);
   engine->set_state(trough.start);
   const Liquid& l = trough.setup.liquid;
-  const double weight = static_cast<double>(trough.start.size()) * l.mass() * g, potential = weight * 2 * depth / 3;
+  const double weight = static_cast<double>(trough.start.size()) * l.mass() * g,
+               potential = weight * 2 * depth / 3;
   const double dt = trough.step(), end = 14;
   const int steps = static_cast<int>(end / dt);
   double load = 0, late = 0;
   int counted = 0;
-  std::printf("trough of 30 degrees, %d spacings high, %zu particles, %.0f s\n", Trough::high, trough.start.size(), end);
+  std::printf("trough of 30 degrees, %d spacings high, %zu particles, %.0f s\n", Trough::high,
+              trough.start.size(), end);
   for (int k = 0; k < steps; ++k) {
     engine->step(dt);
     if (k % (steps / 5) == 0)
-      std::printf("  %5.2f s: kinetic / potential energy %.2e\n", k * dt, engine->energies().kinetic / potential);
+      std::printf("  %5.2f s: kinetic / potential energy %.2e\n", k * dt,
+                  engine->energies().kinetic / potential);
     if (k < steps * 5 / 7) continue;
     load -= engine->loads()[0].force.z;
     late = std::max(late, engine->energies().kinetic / potential);
