@@ -10,7 +10,7 @@
 #include <span>
 
 #include "common/host_device.hpp"
-#include "dem_server/base/group.hpp"
+#include "particles/base/group.hpp"
 
 namespace tandem::dem {
 
@@ -43,7 +43,7 @@ concept BackEnd = DeviceBuffer<typename E::template Buffer<std::uint32_t>> &&
     requires(E exec, const E& fixed, typename E::template Buffer<std::uint32_t> buffer, std::uint32_t n,
              std::size_t size, std::span<const std::uint32_t> from, std::span<std::uint32_t> to,
              detail::AnyLoop loop, detail::AnySharedLoop shared, detail::AnyWork work) {
-  // See backend/traits.hpp.
+  // See particles/backend/traits.hpp.
   { E::on_host } -> std::convertible_to<bool>;
   { E::pairs_once } -> std::convertible_to<bool>;
   { E::read_ahead } -> std::convertible_to<std::size_t>;
@@ -59,7 +59,7 @@ concept BackEnd = DeviceBuffer<typename E::template Buffer<std::uint32_t>> &&
   // Loops over 0 .. n - 1. The iterations of one call run in any order and concurrently: each must write only
   // data that no other iteration reads or writes.
   exec.for_each(n, loop);
-  // A group of threads (base/group.hpp) executes each iteration.
+  // A group of threads (particles/base/group.hpp) executes each iteration.
   exec.for_each_shared(n, shared);
   // Two independent pieces of work, which may run concurrently.
   exec.at_once(work, work);

@@ -2,8 +2,8 @@
 // the small difference of large numbers.
 #pragma once
 
-#include "dem_server/base/arithmetic.hpp"
-#include "dem_server/state/particles.hpp"
+#include "particles/base/arithmetic.hpp"
+#include "particles/state/particles.hpp"
 
 namespace tandem::dem {
 

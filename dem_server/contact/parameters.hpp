@@ -5,12 +5,12 @@
 #include <cstdint>
 
 #include "common/scene/model.hpp"
-#include "dem_server/base/arithmetic.hpp"
-#include "dem_server/base/fixed_point.hpp"
-#include "dem_server/geometry/periods.hpp"
 #include "dem_server/laws/coefficients.hpp"
-#include "dem_server/state/centre.hpp"
-#include "dem_server/state/particles.hpp"
+#include "particles/base/arithmetic.hpp"
+#include "particles/base/fixed_point.hpp"
+#include "particles/geometry/periods.hpp"
+#include "particles/state/centre.hpp"
+#include "particles/state/particles.hpp"
 
 namespace tandem::dem {
 

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "dem_server/grid/size_levels.hpp"
 #include "dem_server/laws/history.hpp"
-#include "dem_server/state/particles.hpp"
+#include "particles/grid/size_levels.hpp"
+#include "particles/state/particles.hpp"
 
 namespace tandem::dem {
 

@@ -2,9 +2,9 @@
 // backend/cuda/resident/resident.cuh has the other implementation, in a GPU's shared memory.
 #pragma once
 
-#include "dem_server/base/fetch.hpp"
 #include "dem_server/contact/view.hpp"
-#include "dem_server/geometry/touch_facet.hpp"
+#include "particles/base/fetch.hpp"
+#include "particles/geometry/touch_facet.hpp"
 
 namespace tandem::dem {
 

@@ -7,10 +7,10 @@
 #include "dem_server/contact/lists.hpp"
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/contact/rebuild_arrays.hpp"
-#include "dem_server/geometry/path.hpp"
-#include "dem_server/geometry/surface.hpp"
-#include "dem_server/state/sphere_arrays.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "particles/geometry/path.hpp"
+#include "particles/geometry/surface.hpp"
+#include "particles/state/sphere_arrays.hpp"
+#include "particles/state/window_progress.hpp"
 
 namespace tandem::dem {
 

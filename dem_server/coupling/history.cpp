@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dem_server/geometry/analytic_facets.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/geometry/periods.hpp"
+#include "particles/geometry/analytic_facets.hpp"
+#include "particles/geometry/facet_contact.hpp"
+#include "particles/geometry/periods.hpp"
 
 namespace tandem::dem {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "dem_server/engine/engine.hpp"
-#include "dem_server/geometry/path.hpp"
-#include "dem_server/geometry/surface.hpp"
+#include "particles/geometry/path.hpp"
+#include "particles/geometry/surface.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::dem {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "dem_server/state/particles.hpp"
+#include "particles/state/particles.hpp"
 
 namespace tandem::dem {
 std::string state_hash(const Spheres& spheres);  // 16 hexadecimal digits

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "dem_server/io/random.hpp"
+#include "particles/io/random.hpp"
 
 namespace tandem::dem {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "common/time.hpp"
 #include "dem_server/engine/engine.hpp"
-#include "dem_server/geometry/periods.hpp"
-#include "dem_server/io/inlets.hpp"
+#include "particles/geometry/periods.hpp"
+#include "particles/io/inlets.hpp"
 #include "protocol/facts.hpp"
 
 namespace tandem::dem {

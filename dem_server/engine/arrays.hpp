@@ -10,7 +10,7 @@
 
 #include "dem_server/contact/view.hpp"
 #include "dem_server/engine/contact_tangent.hpp"
-#include "dem_server/geometry/path.hpp"
+#include "particles/geometry/path.hpp"
 
 namespace tandem::dem {
 

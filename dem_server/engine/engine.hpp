@@ -11,13 +11,13 @@
 
 #include "common/error.hpp"
 #include "common/scene/model.hpp"
-#include "dem_server/base/backend.hpp"
 #include "dem_server/engine/contact_tangent.hpp"
-#include "dem_server/geometry/path.hpp"
-#include "dem_server/geometry/surface.hpp"
-#include "dem_server/grid/skin.hpp"
-#include "dem_server/state/particles.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "particles/base/backend.hpp"
+#include "particles/geometry/path.hpp"
+#include "particles/geometry/surface.hpp"
+#include "particles/grid/skin.hpp"
+#include "particles/state/particles.hpp"
+#include "particles/state/window_progress.hpp"
 
 namespace tandem::dem {
 

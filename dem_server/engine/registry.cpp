@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "common/error.hpp"
-#include "dem_server/backend/count.hpp"
 #include "dem_server/engine/engine_memory.hpp"
-#include "dem_server/geometry/analytic_facets.hpp"
 #include "dem_server/laws/generic.hpp"
+#include "particles/backend/count.hpp"
+#include "particles/geometry/analytic_facets.hpp"
 
 namespace tandem::dem {
 

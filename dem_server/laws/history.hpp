@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "dem_server/base/arithmetic.hpp"
 #include "dem_server/laws/contact.hpp"
+#include "particles/base/arithmetic.hpp"
 
 namespace tandem::dem {
 

@@ -16,11 +16,11 @@
 #include <cstdint>
 #include <new>
 
-#include "dem_server/base/fetch.hpp"
-#include "dem_server/base/group.hpp"
 #include "dem_server/contact/view.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
 #include "dem_server/neighbours/search.hpp"
+#include "particles/base/fetch.hpp"
+#include "particles/base/group.hpp"
+#include "particles/geometry/facet_contact.hpp"
 
 namespace tandem::dem {
 

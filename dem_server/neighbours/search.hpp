@@ -1,14 +1,14 @@
 // Searches the spheres near a sphere while lists are built (neighbours/build.hpp). All spheres have been
 // moved to their new indices and are sorted by the cells of the finest level; those of coarser levels are
-// listed by the cells of their own level as well (grid/size_levels.hpp).
+// listed by the cells of their own level as well (particles/grid/size_levels.hpp).
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 
-#include "dem_server/base/group.hpp"
 #include "dem_server/contact/approach.hpp"
 #include "dem_server/contact/view.hpp"
+#include "particles/base/group.hpp"
 
 namespace tandem::dem {
 

@@ -10,11 +10,11 @@
 #include "common/scene/parse.hpp"
 #include "common/scene/particle_file.hpp"
 #include "common/scene/sizes.hpp"
-#include "dem_server/io/place.hpp"
 #include "launch/coordinator/run_frame.hpp"
 #include "launch/coordinator/scene_spheres.hpp"
 #include "launch/coordinator/settle.hpp"
 #include "launch/coordinator/settle_cache.hpp"
+#include "particles/io/place.hpp"
 
 namespace tandem::launch {
 namespace {

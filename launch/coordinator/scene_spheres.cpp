@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "dem_server/io/inlets.hpp"
 #include "dem_server/laws/step_limits.hpp"
+#include "particles/io/inlets.hpp"
 
 namespace tandem::launch {
 

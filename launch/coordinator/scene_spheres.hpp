@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "dem_server/io/fill.hpp"
 #include "launch/coordinator/scene_file.hpp"
+#include "particles/io/fill.hpp"
 
 namespace tandem::launch {
 

@@ -13,8 +13,8 @@
 #include "common/scene/fault.hpp"
 #include "common/scene/parse.hpp"
 #include "dem_server/coupling/make_solver.hpp"
-#include "dem_server/io/fill.hpp"
 #include "launch/coordinator/scene_spheres.hpp"
+#include "particles/io/fill.hpp"
 
 namespace tandem::launch {
 namespace {

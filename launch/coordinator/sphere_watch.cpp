@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "dem_server/io/inlets.hpp"
+#include "particles/io/inlets.hpp"
 
 namespace tandem::launch {
 namespace {

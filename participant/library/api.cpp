@@ -6,10 +6,10 @@
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "common/time.hpp"
-#include "dem_server/geometry/path.hpp"
 #include "participant/include/tandem/participant.h"
 #include "participant/library/facts.hpp"
 #include "participant/library/failure.hpp"
+#include "particles/geometry/path.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "common/scene/element_columns.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/plain_text.hpp"
-#include "dem_server/io/fill.hpp"
+#include "particles/io/fill.hpp"
 
 namespace tandem::participant {
 namespace {

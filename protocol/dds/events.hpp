@@ -36,9 +36,10 @@ class Events {
   std::uint32_t samples_lost() const { return samples_lost_.load(std::memory_order_relaxed); }
 
   Listener listener();
+  // Counts an event that no listener reports.
+  void wake();
 
  private:
-  void wake();
   void lose(Loss loss);
 
   std::atomic<std::uint64_t> count_ = 0;

@@ -97,14 +97,21 @@ Entity Station::topic(const dds_topic_descriptor_t& type, const char* what, Role
           "create a topic"};
 }
 
-// Called by Cyclone's threads for each presence that arrives, so that a presence that fails authentication
-// uses no memory and no entry.
-bool Station::believe(const tandem_dds_Presence& presence) {
-  if (end_id(presence.end) == id_ || proof_.holds(presence)) return true;
+// Called by Cyclone's threads for each presence that arrives. One that fails authentication uses no memory
+// and no entry.
+void Station::hear(const tandem_dds_Presence& presence, dds_instance_handle_t writer) {
+  if (end_id(presence.end) == id_) return;
+  if (proof_.holds(presence)) {
+    {
+      const std::lock_guard lock(heard_mutex_);
+      if (heard_.size() < max_present || heard_.contains(writer)) heard_[writer] = presence;
+    }
+    events_.wake();
+    return;
+  }
   strangers_.report(name_of(presence, role_), presence.asks == tandem_dds_secret_proof
                                                   ? "its secret is not this run's"
                                                   : "it has no secret, and this run requires one");
-  return false;
 }
 
 Station::Station(const DdsOptions& options, Side side, const Network& network)
@@ -133,13 +140,17 @@ Station::Station(const DdsOptions& options, Side side, const Network& network)
   out_topic_ = topic(tandem_dds_Chunk_desc, leads ? "commands" : "answers", role_);
   in_topic_ = topic(tandem_dds_Chunk_desc, leads ? "answers" : "commands", role_);
 
-  dds_topic_filter believed{};
-  believed.mode = DDS_TOPIC_FILTER_SAMPLE_ARG;
-  believed.f.sample_arg = [](const void* sample, void* self) {
-    return static_cast<Station*>(self)->believe(*static_cast<const tandem_dds_Presence*>(sample));
+  // The reader itself keeps no presence: there a recording that a stranger sends again, or disposes of, would
+  // replace what the end itself has said.
+  dds_topic_filter heard{};
+  heard.mode = DDS_TOPIC_FILTER_SAMPLE_SAMPLEINFO_ARG;
+  heard.f.sample_sampleinfo_arg = [](const void* sample, const dds_sample_info_t* info, void* self) {
+    static_cast<Station*>(self)->hear(*static_cast<const tandem_dds_Presence*>(sample),
+                                      info->publication_handle);
+    return false;
   };
-  believed.arg = this;
-  checked(dds_set_topic_filter_extended(presence_in_topic_.get(), &believed), "filter presences");
+  heard.arg = this;
+  checked(dds_set_topic_filter_extended(presence_in_topic_.get(), &heard), "filter presences");
   // Filters by the writer that DDS reports, not by the sender that the sample claims.
   dds_topic_filter accepted{};
   accepted.mode = DDS_TOPIC_FILTER_SAMPLEINFO_ARG;
@@ -165,7 +176,6 @@ Station::Station(const DdsOptions& options, Side side, const Network& network)
   presence_writer_ = {dds_create_writer(p, presence_out_topic_.get(), presence_out.get(), nullptr),
                       "create a writer"};
 
-  read_.resize(max_present);
   std::ranges::copy(id_, presence_.end);
   std::ranges::copy(nonce_, presence_.own_nonce);
   presence_.side = leads ? tandem_dds_coordinator_side : tandem_dds_participant_side;
@@ -190,20 +200,19 @@ void Station::announce(const tandem_dds_Presence* partner, std::uint64_t taken) 
 }
 
 const std::vector<tandem_dds_Presence>& Station::present() {
-  std::array<void*, max_present> pointers;
-  std::array<dds_sample_info_t, max_present> infos;
-  for (std::size_t i = 0; i < max_present; ++i) pointers[i] = &read_[i];
-  const int count =
-      checked(dds_read(presence_reader_.get(), pointers.data(), infos.data(), pointers.size(), max_present),
-              "read who is there");
+  const auto all = [this] {
+    const std::lock_guard lock(heard_mutex_);
+    return heard_;
+  }();
   present_.clear();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    // Anybody can dispose of an instance: only the disposal by its own writer counts.
-    if (!infos[i].valid_data || infos[i].instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) continue;
-    const EndId end = end_id(read_[i].end);
-    if (end == id_) continue;
-    if (end_of(dds_get_matched_publication_data(presence_reader_.get(), infos[i].publication_handle)) == end)
-      present_.push_back(read_[i]);
+  for (const auto& [writer, presence] : all) {
+    // Without the lock: DDS has locks of its own here, and hear() is called under some of them.
+    if (end_of(dds_get_matched_publication_data(presence_reader_.get(), writer)) == end_id(presence.end)) {
+      present_.push_back(presence);
+      continue;
+    }
+    const std::lock_guard lock(heard_mutex_);
+    heard_.erase(writer);
   }
   return present_;
 }

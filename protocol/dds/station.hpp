@@ -4,6 +4,8 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <vector>
 
 #include "protocol/dds/dds_channel.hpp"
@@ -60,7 +62,7 @@ class Station {
 
  private:
   Entity topic(const dds_topic_descriptor_t& type, const char* what, Role role) const;
-  bool believe(const tandem_dds_Presence& presence);
+  void hear(const tandem_dds_Presence& presence, dds_instance_handle_t writer);
 
   Role role_;
   EndId id_{};
@@ -69,7 +71,9 @@ class Station {
   Strangers strangers_;
   std::atomic<dds_instance_handle_t> accepted_ = 0;
   tandem_dds_Presence presence_{};
-  std::vector<tandem_dds_Presence> read_, present_;
+  std::mutex heard_mutex_;
+  std::map<dds_instance_handle_t, tandem_dds_Presence> heard_;  // the last of each writer
+  std::vector<tandem_dds_Presence> present_;
   Events events_;  // must outlive the entities, whose listeners use it
   Entity domain_, participant_;
   // Presences are written and read by two topics of one name, so that the filter applies to reading only.

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "dem_server/base/arithmetic.hpp"
+#include "particles/base/arithmetic.hpp"
 
 namespace tandem::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "dem_server/state/particles.hpp"
+#include "particles/state/particles.hpp"
 
 namespace tandem::test {
 

@@ -12,7 +12,7 @@
 
 #include "common/scene/parse.hpp"
 #include "dem_server/engine/engine.hpp"
-#include "dem_server/io/fill.hpp"
+#include "particles/io/fill.hpp"
 
 namespace tandem::test {
 

@@ -1,7 +1,7 @@
 // Tests of particles are independent of the back end: each program that contains them defines the back end.
 #pragma once
 
-#include "dem_server/base/backend.hpp"
+#include "particles/base/backend.hpp"
 
 namespace tandem::test {
 

@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "dem_server/backend/concept.hpp"
-#include "dem_server/backend/traits.hpp"
-#include "dem_server/base/fixed_point.hpp"
-#include "dem_server/base/group.hpp"
-#include "dem_server/base/thread_pool.hpp"
 #include "dem_server/contact/close_pairs.hpp"
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "particles/backend/traits.hpp"
+#include "particles/base/fixed_point.hpp"
+#include "particles/base/group.hpp"
+#include "particles/base/thread_pool.hpp"
+#include "particles/geometry/facet_contact.hpp"
+#include "particles/state/window_progress.hpp"
 
 namespace tandem::dem {
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "common/math/vec3.hpp"
-#include "dem_server/base/fixed_point.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "particles/base/fixed_point.hpp"
+#include "particles/state/window_progress.hpp"
 
 namespace tandem::dem {
 

@@ -8,9 +8,9 @@
 //
 // A step that finds a rebuild due, or the window done, returns at once, and the next round of the loop
 // continues from there. No kernel waits for the bookkeeping of a step: the next kernel closes that step
-// (state/window_progress.hpp). The dotted arrow is a programmatic dependency: the step kernel sums the forces
-// between spheres while the wall kernel still runs, and waits for the wall forces before it moves spheres
-// near walls.
+// (particles/state/window_progress.hpp). The dotted arrow is a programmatic dependency: the step kernel sums
+// the forces between spheres while the wall kernel still runs, and waits for the wall forces before it moves
+// spheres near walls.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -25,16 +25,16 @@
 #include "common/error.hpp"
 #include "dem_server/backend/concept.hpp"
 #include "dem_server/backend/cuda/block_tally.cuh"
-#include "dem_server/backend/cuda/cell_sort.cuh"
 #include "dem_server/backend/cuda/fill_lists.cuh"
 #include "dem_server/backend/cuda/resident/resident.cuh"
 #include "dem_server/backend/cuda/streaming/step_kernels.cuh"
-#include "dem_server/backend/cuda/warp_group.cuh"
-#include "dem_server/backend/traits.hpp"
-#include "dem_server/base/check_cuda.cuh"
-#include "dem_server/base/fixed_point.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "particles/backend/cuda/cell_sort.cuh"
+#include "particles/backend/cuda/warp_group.cuh"
+#include "particles/backend/traits.hpp"
+#include "particles/base/check_cuda.cuh"
+#include "particles/base/fixed_point.hpp"
+#include "particles/geometry/facet_contact.hpp"
+#include "particles/state/window_progress.hpp"
 
 namespace tandem::dem {
 

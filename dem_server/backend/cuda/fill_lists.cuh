@@ -7,9 +7,9 @@
 
 #include <cstdint>
 
-#include "dem_server/backend/cuda/warp_group.cuh"
-#include "dem_server/base/group.hpp"
 #include "dem_server/contact/view.hpp"
+#include "particles/backend/cuda/warp_group.cuh"
+#include "particles/base/group.hpp"
 
 namespace tandem::dem {
 

@@ -15,7 +15,7 @@
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/geometry/mass_properties.hpp"
-#include "dem_server/io/place.hpp"
+#include "particles/io/place.hpp"
 #include "tests/support/torus.hpp"
 
 namespace tandem {

@@ -166,6 +166,23 @@ TEST(DdsIntruder, ForgedReplayedAndFloodedMessagesAreRefused) {
   EXPECT_THAT(log.text(), HasSubstr("it sent data"));
 }
 
+TEST(DdsIntruder, AReplayedPresenceDoesNotHideTheEndThatItIsOf) {
+  const DdsOptions run = options();
+  const Intruder intruder(run, [](IntruderEnd& end) {
+    const auto heard = end.heard();
+    for (auto presence : heard) {
+      dds_write(end.presences, &presence);
+      dds_dispose(end.presences, &presence);
+    }
+    std::this_thread::sleep_for(1ms);
+    return static_cast<std::uint64_t>(heard.size());
+  });
+  auto participant = std::async(std::launch::async, [&] { return open_dds_participant(run, in(10s)); });
+  intruder.await();  // from here on, whoever comes hears the participant and its recording
+  const auto coordinator = open_dds_coordinator(run, in(10s));
+  expect_long_talk(*coordinator, *participant.get());
+}
+
 // What a secret does not prevent (docs/security.md): here it is at least said.
 TEST(DdsIntruder, AReaderThatHoldsUpARunIsNamed) {
   const DdsOptions run = options();

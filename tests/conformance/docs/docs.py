@@ -65,7 +65,7 @@ def links(root):
     for path in sorted((root / "docs").rglob("*.md")):
         if path.resolve() not in linked and path.parent.resolve() not in linked:
             faults.append(f"{path.relative_to(root)}: no page links to it")
-    for part in ("common", "protocol", "mbd_server", "dem_server", "participant", "launch", "tests", "cmake", "docs"):
+    for part in ("common", "protocol", "mbd_server", "particles", "dem_server", "participant", "launch", "tests", "cmake", "docs"):
         for path in sorted((root / part).rglob("*")):
             if path.suffix not in SOURCES or not path.is_file() or "results" in path.parts:
                 continue

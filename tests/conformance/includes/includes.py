@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Reads every #include of the repository and reports those that break the dependency rule.
 
-common <- protocol <- {mbd_server, dem_server} <- launch, and participant <- launch: a part includes itself and the parts to its left. Tests include all.
-In a server only coupling/ and main.cpp include protocol/, and each folder is a layer that includes only itself and the layers
-below it. CUDA headers appear only in CUDA sources.
+common <- protocol <- {mbd_server, dem_server} <- launch, common <- particles <- {dem_server, participant}, and participant <- launch: a part
+includes itself and the parts to its left. Tests include all.
+In a server only coupling/ and main.cpp include protocol/. In a server and in particles each folder is a layer that includes only itself
+and the layers below it. CUDA headers appear only in CUDA sources.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
 
 usage: includes.py ROOT            exit status 1 and one line FILE:LINE per offence
-       includes.py --edges ROOT    the edges between the folders of each server, those that no order of layers avoids, and the circles
+       includes.py --edges ROOT    the edges between the folders of particles and of each server, those that no order of layers avoids, and the circles
 """
 import itertools
 import pathlib
@@ -20,19 +21,20 @@ BELOW = {
     "common": set(),
     "protocol": {"common"},
     "mbd_server": {"common", "protocol"},
-    "dem_server": {"common", "protocol"},
-    "participant": {"common", "protocol", "dem_server"},
-    "launch": {"common", "protocol", "mbd_server", "dem_server"},
-    "tests": {"common", "protocol", "mbd_server", "dem_server", "participant", "launch"},
+    "particles": {"common"},
+    "dem_server": {"common", "protocol", "particles"},
+    "participant": {"common", "protocol", "particles"},
+    "launch": {"common", "protocol", "mbd_server", "particles", "dem_server"},
+    "tests": {"common", "protocol", "mbd_server", "particles", "dem_server", "participant", "launch"},
 }
-# The layers of each server, from the lowest up.
+# The layers of particles and of each server, from the lowest up.
 LAYERS = {
     "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "contact", "setup", "solve", "step", "io",
                    "coupling", "main.cpp"],
-    "dem_server": ["base", "geometry", "grid", "io", "state", "laws", "contact", "neighbours", "step", "backend", "engine",
-                   "coupling", "main.cpp"],
+    "particles": ["base", "geometry", "grid", "io", "state", "backend"],
+    "dem_server": ["laws", "contact", "neighbours", "step", "backend", "engine", "coupling", "main.cpp"],
 }
-# What the participant kit uses of the particle solver: the spheres of a scene at the start, and paths of bodies.
+# What the participant kit uses of particles: the spheres of a scene at the start, and paths of bodies.
 KIT = ["base", "geometry", "io"]
 SOURCES = {".hpp", ".cpp", ".h", ".c", ".cu", ".cuh", ".def", ".idl"}
 CUDA_SOURCES = {".cu", ".cuh"}
@@ -53,12 +55,12 @@ def is_generated(root, target):
     return any(any(root.glob(f"*/**/{source}")) for source in sources)
 
 
-def upward(server, layer, target_layer):
-    """Why a file on `layer` may not include one on `target_layer`; None when it may."""
-    layers = LAYERS[server]
+def upward(part, layer, target_layer):
+    """Why a file of `part` on `layer` may not include one on `target_layer`; None when it may."""
+    layers = LAYERS[part]
     for name in (layer, target_layer):
         if name not in layers:
-            return f"{server}/{name} is no layer of this server"
+            return f"{part}/{name} is no layer of {part}"
     if layers.index(target_layer) > layers.index(layer):
         return f"layer {layer} must not include {target_layer}, which is above it"
     return None
@@ -73,8 +75,8 @@ def offence(root, path, quote, target):
             return "our own files are included in quotes"
         if target_part != part and target_part not in BELOW[part]:
             return f"{part} must not include {target_part}"
-        if part == "participant" and target_part == "dem_server" and pathlib.PurePath(target).parts[1] not in KIT:
-            return "participant uses the layers " + ", ".join(KIT) + " of dem_server only"
+        if part == "participant" and target_part == "particles" and pathlib.PurePath(target).parts[1] not in KIT:
+            return "participant uses the layers " + ", ".join(KIT) + " of particles only"
         if part in LAYERS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
             return "in a server only coupling/ and main.cpp include protocol/"
         if part in LAYERS and target_part == part:
@@ -107,17 +109,17 @@ def offences(root):
     return found, count
 
 
-def edges(root, server):
-    """(folder, included folder) -> number of includes, between different folders of a server."""
+def edges(root, part):
+    """(folder, included folder) -> number of includes, between different folders of a part."""
     found = {}
-    for path in sorted((root / server).rglob("*")):
+    for path in sorted((root / part).rglob("*")):
         if suffix(path) not in SOURCES or not path.is_file():
             continue
         folder = path.relative_to(root).parts[1]
         for line in path.read_text(encoding="utf-8").splitlines():
             match = INCLUDE.match(line)
             target = pathlib.PurePath(match[2]).parts if match else ()
-            if len(target) > 2 and target[0] == server and target[1] != folder:
+            if len(target) > 2 and target[0] == part and target[1] != folder:
                 found[folder, target[1]] = found.get((folder, target[1]), 0) + 1
     return found
 
@@ -149,9 +151,9 @@ def circles(found):
 
 
 def print_edges(root):
-    for server in LAYERS:
-        found = edges(root, server)
-        print(f"{server}: {len(found)} edges, {fewest_upward(found)} upward in the best order of layers")
+    for part in LAYERS:
+        found = edges(root, part)
+        print(f"{part}: {len(found)} edges, {fewest_upward(found)} upward in the best order of layers")
         for folder, group in itertools.groupby(sorted(found), key=lambda edge: edge[0]):
             print(f"  {folder} -> " + ", ".join(f"{target} ({found[folder, target]})" for _, target in group))
         for group in circles(found):

@@ -7,7 +7,8 @@ import unittest
 from includes import circles, edges, fewest_upward, offences
 
 FILES = ["common/a.hpp", "protocol/b.hpp", "protocol/version.hpp.in", "protocol/wire.idl", "protocol/list.def",
-         "mbd_server/solve/c.hpp", "dem_server/state/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp"]
+         "mbd_server/solve/c.hpp", "dem_server/contact/d.hpp", "dem_server/coupling/e.hpp", "launch/f.hpp",
+         "particles/state/g.hpp", "particles/io/h.hpp"]
 
 
 class Includes(unittest.TestCase):
@@ -33,9 +34,20 @@ class Includes(unittest.TestCase):
         self.caught("launch/x.cpp", '#include "tests/x.hpp"', "launch must not include tests")
 
     def test_server_to_server(self):
-        self.caught("mbd_server/coupling/x.hpp", '#include "dem_server/state/d.hpp"',
+        self.caught("mbd_server/coupling/x.hpp", '#include "dem_server/contact/d.hpp"',
                     "mbd_server must not include dem_server")
         self.caught("dem_server/x.cu", '#include "mbd_server/solve/c.hpp"', "dem_server must not include mbd_server")
+
+    def test_particles(self):
+        self.caught("particles/io/x.cpp", '#include "dem_server/contact/d.hpp"', "particles must not include dem_server")
+        self.caught("particles/io/x.cpp", '#include "protocol/b.hpp"', "particles must not include protocol")
+        self.caught("mbd_server/solve/x.cpp", '#include "particles/io/h.hpp"', "mbd_server must not include particles")
+        self.caught("protocol/x.cpp", '#include "particles/io/h.hpp"', "protocol must not include particles")
+        self.caught("participant/x.cpp", '#include "particles/state/g.hpp"',
+                    "participant uses the layers base, geometry, io of particles only")
+        self.caught("participant/x.cpp", '#include "dem_server/contact/d.hpp"', "participant must not include dem_server")
+        for part in ("dem_server/laws", "dem_server/coupling", "participant", "launch"):
+            self.passes(part + "/x.cpp", '#include "particles/io/h.hpp"')
 
     def test_protocol_inside_a_server(self):
         why = "in a server only coupling/ and main.cpp include protocol/"
@@ -45,18 +57,22 @@ class Includes(unittest.TestCase):
         self.passes("dem_server/coupling/x.cpp", '#include "protocol/b.hpp"')
 
     def test_layers(self):
-        self.caught("dem_server/base/x.hpp", '#include "dem_server/state/d.hpp"',
+        self.caught("particles/base/x.hpp", '#include "particles/state/g.hpp"',
                     "layer base must not include state, which is above it")
+        self.caught("dem_server/laws/x.hpp", '#include "dem_server/contact/d.hpp"',
+                    "layer laws must not include contact, which is above it")
         self.caught("mbd_server/state/x.cpp", '#include "mbd_server/solve/c.hpp"',
                     "layer state must not include solve, which is above it")
-        self.caught("dem_server/attic/x.hpp", '#include "dem_server/state/d.hpp"', "dem_server/attic is no layer of this server")
-        self.passes("dem_server/state/x.cpp", '#include "dem_server/state/d.hpp"')
-        self.passes("dem_server/contact/x.hpp", '#include "dem_server/state/d.hpp"')
+        self.caught("dem_server/attic/x.hpp", '#include "dem_server/contact/d.hpp"', "dem_server/attic is no layer of dem_server")
+        self.caught("particles/attic/x.hpp", '#include "particles/io/h.hpp"', "particles/attic is no layer of particles")
+        self.passes("dem_server/contact/x.cpp", '#include "dem_server/contact/d.hpp"')
+        self.passes("dem_server/neighbours/x.hpp", '#include "dem_server/contact/d.hpp"')
+        self.passes("particles/state/x.hpp", '#include "particles/io/h.hpp"')
         self.passes("mbd_server/io/x.hpp", '#include "mbd_server/solve/c.hpp"')
 
     def test_cuda(self):
         why = "CUDA headers belong into CUDA sources"
-        self.caught("dem_server/state/x.hpp", "#include <cuda_runtime.h>", why)
+        self.caught("particles/state/x.hpp", "#include <cuda_runtime.h>", why)
         self.caught("launch/x.cpp", "#include <cub/cub.cuh>", why)
         self.passes("dem_server/backend/cuda/x.cuh", "#include <cuda_runtime.h>")
         self.passes("dem_server/step/x.cu", "#include <cuda_runtime.h>")

@@ -1,4 +1,4 @@
-#include "dem_server/io/fill.hpp"
+#include "particles/io/fill.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "dem_server/geometry/periods.hpp"
+#include "particles/geometry/periods.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
 namespace tandem::dem::test {

@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "common/error.hpp"
-#include "dem_server/geometry/path.hpp"
+#include "particles/geometry/path.hpp"
 
 namespace tandem::dem {
 namespace {

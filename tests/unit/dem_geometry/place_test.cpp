@@ -1,5 +1,5 @@
 // Packings: independent checks of overlaps, of the inside of containers and of mass.
-#include "dem_server/io/place.hpp"
+#include "particles/io/place.hpp"
 #include "tests/support/torus.hpp"
 
 #include <gmock/gmock.h>

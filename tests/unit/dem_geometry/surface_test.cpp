@@ -7,8 +7,8 @@
 #include <numbers>
 #include <set>
 
-#include "dem_server/geometry/facet_grid.hpp"
-#include "dem_server/geometry/smooth_patches.hpp"
+#include "particles/geometry/facet_grid.hpp"
+#include "particles/geometry/smooth_patches.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
 namespace tandem::dem::test {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/geometry/surface.hpp"
+#include "particles/geometry/facet_contact.hpp"
+#include "particles/geometry/surface.hpp"
 
 namespace tandem::dem::test {
 

@@ -1,5 +1,5 @@
 // Numbers and warnings of the cells; lists_test.cpp tests that lists are complete.
-#include "dem_server/grid/cell_grid.hpp"
+#include "particles/grid/cell_grid.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

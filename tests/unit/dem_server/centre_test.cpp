@@ -1,4 +1,4 @@
-#include "dem_server/state/centre.hpp"
+#include "particles/state/centre.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "common/error.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "particles/state/window_progress.hpp"
 #include "tests/support/damaged_state.hpp"
 #include "tests/support/solver_run.hpp"
 

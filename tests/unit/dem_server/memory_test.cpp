@@ -1,5 +1,5 @@
 // Available memory, and the error of a run that needs more.
-#include "dem_server/base/memory.hpp"
+#include "particles/base/memory.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -9,8 +9,8 @@
 
 #include "common/error.hpp"
 #include "dem_server/coupling/state_hash.hpp"
-#include "dem_server/geometry/periods.hpp"
-#include "dem_server/io/random.hpp"
+#include "particles/geometry/periods.hpp"
+#include "particles/io/random.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/flow.hpp"
 #include "tests/support/periodic_scene.hpp"

@@ -1,5 +1,5 @@
 // The levels of sizes; lists_test.cpp tests that lists are complete.
-#include "dem_server/grid/size_levels.hpp"
+#include "particles/grid/size_levels.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The lower layers of dem_server (base, geometry, grid, state) carry another particle solver than the one of
+// The layers of particles/ (base, geometry, grid, state) carry another particle solver than the one of
 // grains: here spheres without any force, in a box that repeats itself along x.
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <vector>
 
-#include "dem_server/base/thread_pool.hpp"
-#include "dem_server/geometry/periods.hpp"
-#include "dem_server/grid/cell_grid.hpp"
-#include "dem_server/state/centre.hpp"
-#include "dem_server/state/sphere_arrays.hpp"
+#include "particles/base/thread_pool.hpp"
+#include "particles/geometry/periods.hpp"
+#include "particles/grid/cell_grid.hpp"
+#include "particles/state/centre.hpp"
+#include "particles/state/sphere_arrays.hpp"
 
 namespace tandem::test {
 namespace {

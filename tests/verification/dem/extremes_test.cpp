@@ -12,7 +12,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
-#include "dem_server/state/particles.hpp"
+#include "particles/state/particles.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/tested_backend.hpp"
 #include "tests/verification/dem/impact.hpp"

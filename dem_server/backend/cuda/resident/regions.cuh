@@ -8,8 +8,8 @@
 
 #include "dem_server/contact/approach.hpp"
 #include "dem_server/contact/view.hpp"
-#include "dem_server/geometry/facet_contact.hpp"
-#include "dem_server/state/window_progress.hpp"
+#include "particles/geometry/facet_contact.hpp"
+#include "particles/state/window_progress.hpp"
 
 namespace tandem::dem {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "dem_server/backend/traits.hpp"
+#include "particles/backend/traits.hpp"
 
 namespace tandem::dem {
 
@@ -15,8 +15,8 @@ namespace tandem::dem {
 // ones.
 inline constexpr std::uint32_t entries_read_ahead = CudaTraits::read_ahead;
 
-// Like fetch() of base/fetch.hpp, but the load stays where it is written: a compiler would defer it to the
-// branch that uses its value.
+// Like fetch() of particles/base/fetch.hpp, but the load stays where it is written: a compiler would defer it
+// to the branch that uses its value.
 template <class T>
 __device__ T fetch_here(const T* from) {
   static_assert(sizeof(T) % 16 == 0 || sizeof(T) == 4);
