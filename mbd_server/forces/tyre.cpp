@@ -125,8 +125,10 @@ Forces<T> forces(const TyreOnLink& tyre, const Wheel<T>& wheel, const Contact<T>
                  const std::array<T, 2>& rate) {
   using std::tanh;
   const T fast = c.rolling * c.rolling / T(damped_speed * damped_speed), damped = T(1) / (T(1) + fast * fast);
-  const T sx = (x + damped * T(damping_time(tyre.relaxation_x, tyre.slip_stiffness)) * rate[0]) / T(tyre.relaxation_x),
-          sy = (y + damped * T(damping_time(tyre.relaxation_y, tyre.cornering_stiffness)) * rate[1]) / T(tyre.relaxation_y),
+  const T sx = (x + damped * T(damping_time(tyre.relaxation_x, tyre.slip_stiffness)) * rate[0]) /
+               T(tyre.relaxation_x),
+          sy = (y + damped * T(damping_time(tyre.relaxation_y, tyre.cornering_stiffness)) * rate[1]) /
+               T(tyre.relaxation_y),
           psi = used(tyre, sx, sy);
   Forces<T> f;
   T share = T(0), trail = T(0);  // of the linear force
@@ -188,19 +190,19 @@ std::array<double, 2> solved(const TyreOnLink& tyre, const Contact<double>& c, c
 TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector<LinkMotion>& links) {
   const LinkMotion& link = links[static_cast<std::size_t>(tyre.centre.link)];
   const Vector3d centre = link.point(tyre.centre.p_LP), axle = link.R_WL * tyre.axle;
-  const Wheel<double> wheel{triple(centre), triple(axle), triple(link.V.head<3>()),
-                            triple(link.V.tail<3>())};
+  const Wheel<double> wheel{triple(centre), triple(axle), triple(link.V.head<3>()), triple(link.V.tail<3>())};
   const double sine = axle.cross(tyre.normal).norm(), height = centre.dot(tyre.normal) - tyre.height;
   if (!(sine > least_sine) || !(height > least_radius * tyre.radius))
-    throw Error(ErrorCode::numerics,
-                fmt::format("the wheel of tyre \"{}\" {}: its centre is {:.4g} m above the road, its radius {:.4g} m",
-                            tyre.name, sine > least_sine ? "passes through the road" : "lies on the road", height,
-                            tyre.radius),
-                "mbd_server",
-                "give the tyre more stiffness or damping, or keep the vehicle from overturning");
+    throw Error(
+        ErrorCode::numerics,
+        fmt::format("the wheel of tyre \"{}\" {}: its centre is {:.4g} m above the road, its radius {:.4g} m",
+                    tyre.name, sine > least_sine ? "passes through the road" : "lies on the road", height,
+                    tyre.radius),
+        "mbd_server", "give the tyre more stiffness or damping, or keep the vehicle from overturning");
   const Contact<double> c = contact_of(tyre, wheel);
   const Eigen::Vector2d now = state.z.segment<2>(tyre.state),
-                        known = state.z_weight > 0 ? Eigen::Vector2d(state.z_known.segment<2>(tyre.state)) : now;
+                        known =
+                            state.z_weight > 0 ? Eigen::Vector2d(state.z_known.segment<2>(tyre.state)) : now;
   const std::array<double, 2> w = solved(tyre, c, known, state.z_weight);
 
   // The same once more with derivatives. Displaced by psi = [turn; move] a point p goes by turn x p + move,
@@ -256,7 +258,8 @@ TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector
   if (weight > 0)
     of_w = (Eigen::Matrix2d::Identity() - weight * by.rightCols<2>()).inverse() * weight * by.leftCols<12>();
   for (int i = 0; i < 6; ++i) {
-    const Full& value = i < 3 ? f.torque[static_cast<std::size_t>(i)] : f.force[static_cast<std::size_t>(i - 3)];
+    const Full& value =
+        i < 3 ? f.torque[static_cast<std::size_t>(i)] : f.force[static_cast<std::size_t>(i - 3)];
     const Eigen::Matrix<double, 1, 12> total = value.by.leftCols<12>() + value.by.rightCols<2>() * of_w;
     out.by_displacement.row(i) = total.leftCols<6>();
     out.by_velocity.row(i) = total.rightCols<6>();

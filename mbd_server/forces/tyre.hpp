@@ -17,17 +17,17 @@
 namespace tandem::mbd {
 
 struct TyreForce {
-  Vector3d p = Vector3d::Zero();                 // point of contact, in the world
+  Vector3d p = Vector3d::Zero();                                      // point of contact, in the world
   Vector3d along = Vector3d::Zero(), across = along, normal = along;  // axes of the contact
-  Vector3d force = Vector3d::Zero();             // along, across and normal to the road [N]
-  double aligning = 0, resistance = 0;           // torques about the normal and about the axle [N m]
-  Vector6d wrench = Vector6d::Zero();            // on the wheel
-  double power = 0;                              // that the road gives the wheel [W]
-  double lost = 0;                               // and what the tyre takes besides, less its vertical spring
-  double energy = 0;                             // of the vertical spring [J]
-  double radius = 0;                             // from the axle to the point of contact [m]
+  Vector3d force = Vector3d::Zero();    // along, across and normal to the road [N]
+  double aligning = 0, resistance = 0;  // torques about the normal and about the axle [N m]
+  Vector6d wrench = Vector6d::Zero();   // on the wheel
+  double power = 0;                     // that the road gives the wheel [W]
+  double lost = 0;                      // and what the tyre takes besides, less its vertical spring
+  double energy = 0;                    // of the vertical spring [J]
+  double radius = 0;                    // from the axle to the point of contact [m]
   Eigen::Vector2d w = Eigen::Vector2d::Zero(), w_rate = w;  // deflections of the tread [m]
-  Eigen::Vector2d slip = w;                      // w over the relaxation length [-]
+  Eigen::Vector2d slip = w;                                 // w over the relaxation length [-]
   // Derivatives of the wrench by displacement and velocity of the wheel, as those of ContactForce.
   Matrix6d by_displacement = Matrix6d::Zero(), by_velocity = Matrix6d::Zero();
 };

@@ -203,7 +203,7 @@ const WrongScene elements[] = {
     {"RoadWithoutUnitNormal",
      ELEMENT(
          R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [2, 0, 0], "road_point": [-0.3, 0, 0]})"),
-     "mbd.forces[0].road_normal: the length of [2, 0, 0] is 2 (give a vector of length 1)"},
+     "mbd.forces[0].road_normal: [2, 0, 0] has length 2, not 1 (the unit one is [1, 0, 0])"},
     {"DrumThatSlides",
      ELEMENT(
          R"({"name": "r", "type": "rope", "drum": "slide", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),

@@ -21,8 +21,8 @@ using nlohmann::json;
 constexpr double g = 9.81;
 
 void expect_share(const std::string& what, double measured, double expected, double share) {
-  std::printf("  %-46s expected %14.8g measured %14.8g deviation %8.1e tolerance %.1e\n", what.c_str(), expected,
-              measured, measured / expected - 1, share);
+  std::printf("  %-46s expected %14.8g measured %14.8g deviation %8.1e tolerance %.1e\n", what.c_str(),
+              expected, measured, measured / expected - 1, share);
   EXPECT_NEAR(measured, expected, share * std::abs(expected)) << what;
 }
 
@@ -70,8 +70,8 @@ class TyreRun {
 };
 
 struct TyreData {
-  double radius = 0.3, stiffness = 2e5, friction = 0.9, slip = 14, cornering = 11, relaxation = 0.25, patch = 0.12,
-         resistance = 0;
+  double radius = 0.3, stiffness = 2e5, friction = 0.9, slip = 14, cornering = 11, relaxation = 0.25,
+         patch = 0.12, resistance = 0;
   json element(const std::string& name, const std::string& joint) const {
     return {{"name", name},
             {"type", "tyre"},
@@ -103,15 +103,28 @@ struct Rig {
   json scene(double s) const {
     const double z = loaded_radius(), rolling = speed * std::cos(yaw) / (1 - s), rate = rolling / z;
     json scene;
-    scene["mbd"]["bodies"] = {body_of("carriage", 1, 1, {0, 0, 1}), body_of("weight", mass - 10, 10, {0, 0, z}),
+    scene["mbd"]["bodies"] = {body_of("carriage", 1, 1, {0, 0, 1}),
+                              body_of("weight", mass - 10, 10, {0, 0, z}),
                               body_of("wheel", 10, 0.5, {0, 0, z})};
-    scene["mbd"]["joints"] = {
-        {{"name", "rail"}, {"type", "prismatic"}, {"child", "carriage"}, {"position", {0, 0, 1}}, {"axis", {1, 0, 0}},
-         {"motion", {{"type", "constant"}, {"rate", speed}}}},
-        {{"name", "guide"}, {"type", "prismatic"}, {"parent", "carriage"}, {"child", "weight"}, {"position", {0, 0, z}},
-         {"axis", {0, 0, 1}}},
-        {{"name", "hub"}, {"type", "revolute"}, {"parent", "weight"}, {"child", "wheel"}, {"position", {0, 0, z}},
-         {"axis", {-std::sin(yaw), std::cos(yaw), 0}}, {"motion", {{"type", "constant"}, {"rate", rate}}}}};
+    scene["mbd"]["joints"] = {{{"name", "rail"},
+                               {"type", "prismatic"},
+                               {"child", "carriage"},
+                               {"position", {0, 0, 1}},
+                               {"axis", {1, 0, 0}},
+                               {"motion", {{"type", "constant"}, {"rate", speed}}}},
+                              {{"name", "guide"},
+                               {"type", "prismatic"},
+                               {"parent", "carriage"},
+                               {"child", "weight"},
+                               {"position", {0, 0, z}},
+                               {"axis", {0, 0, 1}}},
+                              {{"name", "hub"},
+                               {"type", "revolute"},
+                               {"parent", "weight"},
+                               {"child", "wheel"},
+                               {"position", {0, 0, z}},
+                               {"axis", {-std::sin(yaw), std::cos(yaw), 0}},
+                               {"motion", {{"type", "constant"}, {"rate", rate}}}}};
     scene["mbd"]["forces"] = {tyre.element("tyre", "hub")};
     return scene;
   }
@@ -123,15 +136,16 @@ struct Closed {
 };
 Closed brush(const TyreData& t, double load, double sx, double sy) {
   const double cx = t.slip * sx, cy = t.cornering * sy, c = std::hypot(cx, cy), psi = c / (3 * t.friction);
-  const double force = psi < 1 ? t.friction * load * (3 * psi - 3 * psi * psi + psi * psi * psi) : t.friction * load;
+  const double force =
+      psi < 1 ? t.friction * load * (3 * psi - 3 * psi * psi + psi * psi * psi) : t.friction * load;
   const double trail = psi < 1 ? t.patch / 6 * std::pow(1 - psi, 3) / (1 - psi + psi * psi / 3) : 0;
   return {force * cx / c, force * cy / c, -force * cy / c * trail};
 }
 
 TEST(Tyre, CurveAgainstClosedForm) {
   Rig rig;
-  std::printf("  %8s %8s | %10s %10s | %10s %10s | %10s %10s   tolerance 5e-3\n", "slip", "tan", "F_x [N]", "closed",
-              "F_y [N]", "closed", "M_z [N m]", "closed");
+  std::printf("  %8s %8s | %10s %10s | %10s %10s | %10s %10s   tolerance 5e-3\n", "slip", "tan", "F_x [N]",
+              "closed", "F_y [N]", "closed", "M_z [N m]", "closed");
   double worst = 0;
   const auto compare = [&](double s, double yaw) {
     rig.yaw = yaw;
@@ -141,8 +155,8 @@ TEST(Tyre, CurveAgainstClosedForm) {
     const double across = std::tan(yaw) * (1 - s);
     const Closed expected = brush(rig.tyre, rig.load(), s, across);
     const double x = run["tyre.force.x"], y = run["tyre.force.y"], m = run["tyre.aligning_torque"];
-    std::printf("  %8.3f %8.3f | %10.2f %10.2f | %10.2f %10.2f | %10.4f %10.4f\n", s, across, x, expected.x, y,
-                expected.y, m, expected.aligning);
+    std::printf("  %8.3f %8.3f | %10.2f %10.2f | %10.2f %10.2f | %10.4f %10.4f\n", s, across, x, expected.x,
+                y, expected.y, m, expected.aligning);
     const auto check = [&](double measured, double closed) {
       if (std::abs(closed) < 1e-9) {
         EXPECT_NEAR(measured, closed, 1e-3);
@@ -170,8 +184,10 @@ TEST(Tyre, RelaxationLength) {
     const double rolled = sigmas * rig.tyre.relaxation / std::cos(rig.yaw);
     run.advance(std::round(rolled / rig.speed * 1e3) * 1e-3);
     const double way = run.time() * rig.speed * std::cos(rig.yaw);
-    expect_share("lateral force after " + std::to_string(way) + " m [N]", run["tyre.force.y"],
-                 brush(rig.tyre, rig.load(), 0, std::tan(rig.yaw)).y * (1 - std::exp(-way / rig.tyre.relaxation)), 5e-3);
+    expect_share(
+        "lateral force after " + std::to_string(way) + " m [N]", run["tyre.force.y"],
+        brush(rig.tyre, rig.load(), 0, std::tan(rig.yaw)).y * (1 - std::exp(-way / rig.tyre.relaxation)),
+        5e-3);
   }
 }
 
@@ -189,8 +205,11 @@ struct Vehicle {
     const double z = front.radius;
     const double drop = mass * g / 4 / front.stiffness;
     mbd["bodies"] = json::array();
-    mbd["bodies"].push_back({{"name", "chassis"}, {"mass", mass}, {"inertia", {400, inertia, inertia}},
-                             {"position", {0, 0, height - drop}}, {"velocity", {speed, 0, 0}}});
+    mbd["bodies"].push_back({{"name", "chassis"},
+                             {"mass", mass},
+                             {"inertia", {400, inertia, inertia}},
+                             {"position", {0, 0, height - drop}},
+                             {"velocity", {speed, 0, 0}}});
     mbd["joints"] = json::array(), mbd["forces"] = json::array();
     for (const bool is_front : {true, false})
       for (const double side : {1.0, -1.0}) {
@@ -198,13 +217,19 @@ struct Vehicle {
         const std::array<double, 3> p{is_front ? a : -b, side * track / 2, z - drop};
         const double yaw = is_front ? steer : 0;
         mbd["bodies"].push_back(body_of(name, wheel_mass, wheel_inertia, p));
-        mbd["joints"].push_back({{"name", name + "_hub"}, {"type", "revolute"}, {"parent", "chassis"}, {"child", name},
-                                 {"position", p}, {"axis", {-std::sin(yaw), std::cos(yaw), 0}},
+        mbd["joints"].push_back({{"name", name + "_hub"},
+                                 {"type", "revolute"},
+                                 {"parent", "chassis"},
+                                 {"child", name},
+                                 {"position", p},
+                                 {"axis", {-std::sin(yaw), std::cos(yaw), 0}},
                                  {"rate", speed * std::cos(yaw) / (z - drop)}});
         mbd["forces"].push_back((is_front ? front : rear).element(name + "_tyre", name + "_hub"));
         const double torque = is_front ? torque_front : torque_rear;
         if (torque != 0)
-          mbd["forces"].push_back({{"name", name + "_brake"}, {"type", "actuator"}, {"joint", name + "_hub"},
+          mbd["forces"].push_back({{"name", name + "_brake"},
+                                   {"type", "actuator"},
+                                   {"joint", name + "_hub"},
                                    {"size", {{"type", "constant"}, {"value", torque}}}});
       }
     return scene;
@@ -280,8 +305,8 @@ TEST(Tyre, StepSteerAgainstBicycleModel) {
   v.steer = 1e-3;
   TyreRun run(v.scene(0, 0));
   const double m = v.all(), cg = 2 * v.wheel_mass * (v.a - v.b) / m, a = v.a - cg, b = v.b + cg, V = v.speed,
-               J = v.inertia + v.mass * cg * cg +
-                   4 * v.wheel_inertia + 2 * v.wheel_mass * (a * a + b * b) + 4 * v.wheel_mass * v.track * v.track / 4;
+               J = v.inertia + v.mass * cg * cg + 4 * v.wheel_inertia + 2 * v.wheel_mass * (a * a + b * b) +
+                   4 * v.wheel_mass * v.track * v.track / 4;
   const double N_f = m * g * b / (a + b), N_r = m * g * a / (a + b);
   using Y = Eigen::Vector4d;  // lateral velocity, yaw rate, slips of the tread
   const auto rates = [&](const Y& y) {
@@ -340,7 +365,8 @@ TEST(Tyre, RollingResistance) {
   const double v0 = run.seen().bodies[0].twist.v_WB.x;
   run.advance(1);
   const double a = v0 - run.seen().bodies[0].twist.v_WB.x, r = run["front_left_tyre.loaded_radius"];
-  expect_share("deceleration [m/s2]", a, 0.012 * g * v.all() / (v.all() + 4 * v.wheel_inertia / (r * r)), 5e-3);
+  expect_share("deceleration [m/s2]", a, 0.012 * g * v.all() / (v.all() + 4 * v.wheel_inertia / (r * r)),
+               5e-3);
 }
 
 // Wheels that do not turn slide with friction times load; at rest on a slope they do not creep.
@@ -348,7 +374,8 @@ TEST(Tyre, LockedWheels) {
   Vehicle v;
   v.front.stiffness = v.rear.stiffness = 1e6;
   json scene = v.scene(0, 0);
-  for (json& joint : scene["mbd"]["joints"]) joint["type"] = "fixed", joint.erase("rate"), joint.erase("axis");
+  for (json& joint : scene["mbd"]["joints"])
+    joint["type"] = "fixed", joint.erase("rate"), joint.erase("axis");
   EXPECT_ANY_THROW(TyreRun{scene});  // the joint of a tyre is revolute
   scene = v.scene(0, 0);
   for (json& joint : scene["mbd"]["joints"]) {
@@ -359,7 +386,8 @@ TEST(Tyre, LockedWheels) {
   sliding.advance(0.5);
   const double v0 = sliding.seen().bodies[0].twist.v_WB.x;
   sliding.advance(0.5);
-  expect_share("deceleration [m/s2]", (v0 - sliding.seen().bodies[0].twist.v_WB.x) / 0.5, v.front.friction * g, 5e-3);
+  expect_share("deceleration [m/s2]", (v0 - sliding.seen().bodies[0].twist.v_WB.x) / 0.5,
+               v.front.friction * g, 5e-3);
 
   const double slope = 0.3;
   scene["gravity"] = {-g * std::sin(slope), 0, -g * std::cos(slope)};
