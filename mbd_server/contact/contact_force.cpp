@@ -54,6 +54,17 @@ double impact_depth(const ContactLaw& law, double mass, double rate) {
   return std::pow((n + 1) * mass * rate * rate / (2 * law.stiffness), 1 / (n + 1));
 }
 
+double power(const Model& model, const ContactColumn& column, double gap, double gap_rate,
+             const Vector3d& stretch, const Vector3d& sliding) {
+  const ContactLaw law = model.contact.law(static_cast<int>(column[ContactRow::shape_a]),
+                                           static_cast<int>(column[ContactRow::shape_b]));
+  const double normal =
+      normal_force(law, -gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::mass]).force;
+  const Vector3d trial = -column[ContactRow::stiffness] * stretch - column[ContactRow::damping] * sliding;
+  const double size = trial.norm(), most = law.friction * normal;
+  return normal * gap_rate + (size > most ? most / size : 1) * trial.dot(sliding);
+}
+
 ContactFeature feature_of(const ContactColumn& column) {
   ContactFeature f;
   f.a = static_cast<int>(column[ContactRow::shape_a]), f.b = static_cast<int>(column[ContactRow::shape_b]);

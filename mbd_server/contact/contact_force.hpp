@@ -38,6 +38,10 @@ void set_feature(const ContactFeature& feature, Eigen::Ref<ContactColumn> column
 
 ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links);
 
+// Power of the force at a point on the two links, from the quantities of a ContactForce alone: negative where
+// the point stores or dissipates energy [W].
+double power(const Model& model, const ContactColumn& column, double gap, double gap_rate,
+             const Vector3d& stretch, const Vector3d& sliding);
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);
 // Largest depth of an impact of that mass at that rate, without damping [m].

@@ -13,9 +13,18 @@ namespace tandem::mbd {
 namespace {
 
 constexpr double steps_per_contact = 32;
+// An impact of much damping loses most of its rate in a part of this share of its duration: steps there are
+// shorter.
+constexpr double sudden = 0.125;
+double part_of_step(const ContactLaw& law) {
+  return 1 / std::sqrt(1 + 0.5 * law.damping_number);
+}
 // Impacts that end again last one to some durations of one without loads.
 constexpr double lasting = 10;
 constexpr double growth = 2;  // of the steps after a contact
+// Steps per half a period where a contact vibrates: where the energy of its rate is more than this share of
+// the energy that moves.
+constexpr double steps_per_vibration = 16, least_vibration = 1e-6;
 // A body whose shape has corners or a length turns by at most this angle in a step [rad].
 constexpr double largest_turn = 0.5;
 // A step that passes the end of a contact within these shares of its length is not cut; one that is cut
@@ -88,10 +97,17 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   stops_before_ = stops_.mark();
   stiction_before_ = stiction_.counters();
   record(state, at_begin_);
-  const double limit = longest_step(state, h);
-  double taken = stride(limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h);
-  measure(state, gaps_);
-  if (const std::optional<Passage> first = passed(taken)) taken = cut(state, taken, *first, stride);
+  double limit = longest_step(state, h), taken = 0;
+  while (true) {
+    taken = stride(limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h);
+    measure(state, gaps_);
+    if (const std::optional<Passage> first = passed(taken)) taken = cut(state, taken, *first, stride);
+    record(state, at_end_);
+    const double resolving = resolving_step(state);
+    if (taken <= growth * resolving) break;
+    limit = resolving;
+    go_back(state);
+  }
   accept(state, taken);
   expect_apart(state, 1, ErrorCode::numerics, "pass through each other",
                "give their materials more stiffness, so that they stop each other before that");
@@ -212,10 +228,14 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
   return first;
 }
 
-double BodyContacts::repeat(State& state, double h, const Stride& stride) {
+void BodyContacts::go_back(State& state) {
   state = before_;
   stops_.back(stops_before_);
   stiction_.back(stiction_before_);
+}
+
+double BodyContacts::repeat(State& state, double h, const Stride& stride) {
+  go_back(state);
   const double taken = stride(h);
   measure(state, gaps_);
   return taken;
@@ -311,7 +331,7 @@ void BodyContacts::enter(State& state, Candidate& candidate, double rate) {
   column.segment<3>(ContactRow::on_b) = in_link(links[static_cast<std::size_t>(b.link)], t.p);
   state.contacts.col(candidate.column) = column;
   double& touch_step = state.touch_step[0];
-  const double part = column[ContactRow::period] / steps_per_contact;
+  const double part = column[ContactRow::period] / steps_per_contact * part_of_step(law);
   touch_step = touch_step > 0 ? std::min(touch_step, part) : part;
   ++counters_.contacts;
 }
@@ -319,9 +339,29 @@ void BodyContacts::enter(State& state, Candidate& candidate, double rate) {
 void BodyContacts::record(const State& state, std::vector<Exchange>& at) {
   at.resize(static_cast<std::size_t>(state.contacts.cols()));
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const ContactForce f = evaluate(model_, state.contacts.col(k), system_.links());
-    at[static_cast<std::size_t>(k)] = {f.force.dot(f.velocity), f.energy};
+    at[static_cast<std::size_t>(k)] = exchange_of(evaluate(model_, state.contacts.col(k), system_.links()));
   }
+}
+
+BodyContacts::Exchange BodyContacts::exchange_of(const ContactForce& f) {
+  const double gap_rate = f.n.dot(f.velocity);
+  return {f.gap,    gap_rate, f.stretch, f.velocity - gap_rate * f.n, f.force.dot(f.velocity),
+          f.energy, f.slides};
+}
+
+// Work of a point on the links over a step, by Simpson's rule; in the middle of the step gap and stretch are
+// those of the cubics through both ends (energy_balance.hpp).
+double BodyContacts::work(const ContactColumn& column, const Exchange& begin, const Exchange& end,
+                          double h) const {
+  if (!(h > 0)) return 0;
+  const auto between = [&](const auto& x0, const auto& x1, const auto& v0, const auto& v1) {
+    using Value = std::decay_t<decltype(x0)>;
+    return std::pair{Value(0.5 * (x0 + x1) + h / 8 * (v0 - v1)),
+                     Value(1.5 / h * (x1 - x0) - 0.25 * (v0 + v1))};
+  };
+  const auto [gap, gap_rate] = between(begin.gap, end.gap, begin.gap_rate, end.gap_rate);
+  const auto [stretch, sliding] = between(begin.stretch, end.stretch, begin.sliding, end.sliding);
+  return h / 6 * (begin.power + 4 * power(model_, column, gap, gap_rate, stretch, sliding) + end.power);
 }
 
 // The end of a step of length h: contacts that have ended, and friction that slides.
@@ -337,18 +377,22 @@ void BodyContacts::accept(State& state, double h) {
     const ContactLaw law = model_.contact.law(candidate.feature.a, candidate.feature.b);
     const ContactForce f = evaluate(model_, column, links);
     const Exchange& begin = at_begin_[static_cast<std::size_t>(index)];
-    const double work = 0.5 * h * (begin.power + f.force.dot(f.velocity));
+    const double done = work(column, begin, at_end_[static_cast<std::size_t>(index)], h);
     counters_.largest_force = std::max(counters_.largest_force, f.normal);
     counters_.largest_depth = std::max(counters_.largest_depth, -f.gap);
     if (f.gap > 0) {
-      lost_ += begin.energy - work;
+      lost_ += begin.energy - done;
       candidate.column = -1;
       continue;
     }
     kept.push_back(index);
     const double period = column[ContactRow::period];
-    if (state.time - column[ContactRow::entry_time] <= lasting * period)
-      longest = std::min(longest, period / steps_per_contact);
+    const double since = state.time - column[ContactRow::entry_time];
+    if (since <= lasting * period)
+      longest =
+          std::min(longest, period / steps_per_contact * (since < sudden * period ? part_of_step(law) : 1));
+    else if (vibrates(column, at_end_[static_cast<std::size_t>(index)]))
+      longest = std::min(longest, period / steps_per_vibration);
 
     // The stretch that has the friction with which the step ended, without its damping.
     const double stiffness = column[ContactRow::stiffness];
@@ -371,7 +415,7 @@ void BodyContacts::accept(State& state, double h) {
       column.segment<3>(ContactRow::on_b) = link_b.R_WL.transpose() * (f.p + stretch - link_b.p_WL);
     }
     const double stored = normal_energy(law, -f.gap) + 0.5 * stiffness * stretch.squaredNorm();
-    lost_ += begin.energy - stored - work;
+    lost_ += begin.energy - stored - done;
   }
   keep(state, kept);
   if (any) ++counters_.steps;
@@ -379,6 +423,24 @@ void BodyContacts::accept(State& state, double h) {
   if (touch_step == 0 && longest == HUGE_VAL) return;
   touch_step = std::min(touch_step > 0 ? growth * touch_step : HUGE_VAL, longest);
   if (touch_step >= requested_) touch_step = 0;
+}
+
+// A load that jumps makes a body vibrate on its contacts. A step that does not resolve this has another
+// energy, and dampers at the points take another part of it.
+bool BodyContacts::vibrates(const ContactColumn& column, const Exchange& now) const {
+  if (!(now.gap < 0)) return false;
+  const bool held = column[ContactRow::stiffness] > 0 && !now.slides;
+  const double rate = now.gap_rate * now.gap_rate + (held ? now.sliding.squaredNorm() : 0);
+  return 0.5 * column[ContactRow::mass] * rate > least_vibration * energy_scale_;
+}
+
+// Longest step that resolves the vibrations at the end of a step [s].
+double BodyContacts::resolving_step(const State& state) const {
+  double longest = HUGE_VAL;
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
+    if (vibrates(state.contacts.col(k), at_end_[static_cast<std::size_t>(k)]))
+      longest = std::min(longest, state.contacts(ContactRow::period, k) / steps_per_vibration);
+  return longest;
 }
 
 double BodyContacts::longest_step(const State& state, double h) const {

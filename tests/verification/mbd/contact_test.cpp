@@ -591,6 +591,23 @@ TEST(Contact, BoxComesToRest) {
   std::printf("  %s\n", run.facts().at("mbd_steps").dump().c_str());
 }
 
+// What points dissipate is integrated as accurately as the motion.
+TEST(Contact, TheEnergyOfAnImpactCloses) {
+  for (const double e : {1.0, 0.5, 0.1, 0.01}) {
+    ContactScene s;
+    s.add_floor();
+    s.add_ball("ball", 1, 0.05, {0, 0, 0.55});
+    s.material() = {"stuff", 1e6, 0, 0, e, 0.5};
+    ContactRun run(s.scene, 1e-3);
+    run.advance(500);
+    const nlohmann::json facts = run.facts();
+    expect_near(
+        "residual of the balance over the energy that moves",
+        facts.at("mbd_largest_energy_balance_J").get<double>() / facts.at("mbd_energy_scale_J").get<double>(),
+        0, 6e-3);
+  }
+}
+
 // The same motion after a rollback and from run to run.
 TEST(Contact, GivesTheSameBits) {
   const auto hash = [](bool rollback) {
