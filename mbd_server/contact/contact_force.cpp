@@ -87,14 +87,14 @@ void set_feature(const ContactFeature& f, Eigen::Ref<ContactColumn> column) {
   column[ContactRow::radius_a] = f.radius_a, column[ContactRow::radius_b] = f.radius_b;
 }
 
-ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links) {
+ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
+                      Derivatives derivatives) {
   const ContactFeature feature = feature_of(column);
   const LinkMotion &a = link_of(model, feature.a, links), &b = link_of(model, feature.b, links);
   const ContactLaw law = model.contact.law(feature.a, feature.b);
-  const Touch t = touch(model, feature, links);
+  const Touch t = touch(model, feature, links, derivatives);
   ContactForce f;
   f.p = t.p, f.n = t.n, f.gap = t.gap;
-  f.by_a.setZero(), f.by_b.setZero(), f.by_velocity.setZero();
   const Vector3d &n = f.n, &p = f.p;
   const Vector6d V = b.V - a.V;
   f.velocity = at_point(V, p);
@@ -111,6 +111,16 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   f.stretch = s - along_n * n;
   f.energy += 0.5 * k * f.stretch.squaredNorm();
   if (!(f.normal > 0)) return f;
+  if (derivatives == Derivatives::without) {
+    f.force = f.normal * n;
+    if (!(law.friction > 0)) return f;
+    f.friction = -k * f.stretch - c * (f.velocity - gap_rate * n);
+    const double most = law.friction * f.normal, size = f.friction.norm();
+    f.slides = size > most;
+    if (f.slides) f.friction = most * Vector3d(f.friction / size);
+    f.force += f.friction;
+    return f;
+  }
 
   // Changes per displacement of a and of b.
   const Matrix3x6d L = at_point_matrix(p);

@@ -106,7 +106,15 @@ class BodyContacts {
   double repeat(State& state, double h, const Stride& stride);
   double cut(State& state, double h, const Passage& first, const Stride& stride);
   bool enter_all(State& state);
-  void enter(State& state, Candidate& candidate, double rate);
+  // A candidate that comes into contact [m/s], [kg].
+  struct Entry {
+    std::size_t candidate;
+    double rate, mass = 0;
+  };
+  void find_machines();
+  int machine_of(int shape) const;
+  void find_masses();
+  void enter(State& state, const Entry& entry, Eigen::Index index);
   void accept(State& state, double h);
   void record(const State& state, std::vector<Exchange>& at);
   double longest_step(const State& state, double h) const;
@@ -129,9 +137,13 @@ class BodyContacts {
   std::vector<ContactFeature> features_;
   std::vector<Candidate> candidates_;
   std::vector<OfPair> by_pair_;
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> now_;               // entries that share a solution
+  std::vector<int> machine_of_link_;           // none: ground (links)
+  std::vector<bool> busy_;                     // (links)
   Gaps gaps_before_, gaps_;                    // (candidates)
   std::vector<Exchange> at_begin_, at_end_;    // (points in contact)
-  VectorXd unit_, response_, dlambda_, zero_;  // wrench of a unit force at a point, and its effect
+  VectorXd unit_, response_, dlambda_, zero_;  // wrenches of unit forces at points, and their effect
 };
 
 }  // namespace tandem::mbd
