@@ -4,7 +4,7 @@
 //
 // TOPOLOGY is pairs (two boxes on each other, many such pairs beside each other on a floor), wall (boxes in
 // bond, as high as wide) or pile (boxes in bond in both directions, as high as wide). They settle, and are
-// then measured over STEPS steps of 1 ms. Prints a row: topology, bodies, points in contact, connected pairs
+// then measured over STEPS windows of 1 ms. Prints a row: topology, bodies, points in contact, steps,
 // us per step, us per step and point, Newton iterations per step.
 #include <algorithm>
 #include <cmath>
