@@ -19,7 +19,7 @@ void for_each_contact(const Model& model, const State& state, const std::vector<
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
     act(model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_a, k))),
         model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_b, k))),
-        evaluate(model, state.contacts.col(k), links));
+        evaluate(model, state.contacts.col(k), links, Derivatives::without));
 }
 
 Matrix6d inertia_in_world(const BodyOnLink& body, const LinkMotion& link) {
