@@ -80,7 +80,8 @@ const char* kind_of(const Force& force) {
                  [](const Bushing&) { return "bushing"; },
                  [](const BodyLoad& f) { return f.kind == BodyLoad::Kind::force ? "force" : "torque"; },
                  [](const Actuator&) { return "actuator"; }, [](const Rope&) { return "rope"; },
-                 [](const Motor&) { return "motor"; }, [](const Cylinder&) { return "cylinder"; }},
+                 [](const Motor&) { return "motor"; }, [](const Cylinder&) { return "cylinder"; },
+                 [](const Tyre&) { return "tyre"; }},
       force);
 }
 
@@ -156,6 +157,12 @@ void add_columns(const Force& force, const Mbd& mbd, Columns& columns) {
                    columns.add({Channel::tension, Channel::length, Channel::slack, Channel::power,
                                 Channel::stored_energy});
                    columns.add_losses(f.damping != 0);
+                 },
+                 [&](const Tyre&) {
+                   columns.add_axes(Channel::force);
+                   columns.add({Channel::slip, Channel::slip_angle, Channel::aligning_torque,
+                                Channel::loaded_radius, Channel::power, Channel::stored_energy});
+                   columns.add_losses(true);
                  },
                  [&](const Motor& f) { add_columns(f, columns); },
                  [&](const Cylinder& f) { add_columns(f, columns); }},

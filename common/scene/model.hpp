@@ -352,8 +352,25 @@ struct Cylinder {
   std::optional<Friction> friction;
   std::optional<Limits> limits;  // of the stroke [m]
 };
-using Force =
-    std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope, Motor, Cylinder>;
+
+// The force of a plane road on a wheel, by the brush model. The wheel is the child of the joint, its centre
+// the joint's point, its axle the joint's axis; ahead is axle x normal.
+struct Tyre {
+  std::string name;
+  JointId joint;
+  double radius = 0;                  // without a load [m]
+  double stiffness = 0, damping = 0;  // vertical [N/m], [N s/m]
+  double friction = 0;
+  double slip_stiffness = 0,
+         cornering_stiffness = 0;  // force over load, per slip and per tangent of the slip angle
+  double relaxation_length = 0;    // along the wheel's plane [m]
+  std::optional<double> lateral_relaxation_length{};  // across it; absent: the same [m]
+  double rolling_resistance = 0;                      // torque over load and loaded radius
+  double patch_length = 0;                            // of contact, for the aligning torque [m]
+  Vec3d road_point, road_normal{0, 0, 1};             // world [m], unit
+};
+using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope, Motor,
+                           Cylinder, Tyre>;
 
 struct Mbd {
   std::string server;                       // command of a solver that replaces ours; empty: ours

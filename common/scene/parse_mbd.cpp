@@ -296,11 +296,31 @@ Force parse_rope(const Node& node, const Names& bodies, const Names& joints) {
   return rope;
 }
 
+Force parse_tyre(const Node& node, const Names& joints) {
+  Tyre tyre;
+  node.read("name", tyre.name);
+  tyre.joint = JointId{node.resolve("joint", joints, "joints")};
+  node.read("radius", tyre.radius);
+  node.read("stiffness", tyre.stiffness);
+  node.read("damping", tyre.damping);
+  node.read("friction", tyre.friction);
+  node.read("slip_stiffness", tyre.slip_stiffness);
+  node.read("cornering_stiffness", tyre.cornering_stiffness);
+  node.read("relaxation_length", tyre.relaxation_length);
+  node.read("lateral_relaxation_length", tyre.lateral_relaxation_length);
+  node.read("rolling_resistance", tyre.rolling_resistance);
+  node.read("patch_length", tyre.patch_length);
+  node.read("road_point", tyre.road_point);
+  node.read("road_normal", tyre.road_normal);
+  return tyre;
+}
+
 Force parse_force(const Node& node, const Names& bodies, const Names& joints, const std::string& format) {
   if (node.type() == "bushing") return parse_bushing(node, bodies);
   if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, joints, format);
   if (node.type() == "actuator") return parse_actuator(node, joints, format);
   if (node.type() == "rope") return parse_rope(node, bodies, joints);
+  if (node.type() == "tyre") return parse_tyre(node, joints);
   if (node.type() == "motor") return parse_motor(node, joints, format);
   if (node.type() == "cylinder") return parse_cylinder(node, bodies, format);
   if (node.type() == "spring_damper") {

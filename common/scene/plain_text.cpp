@@ -78,6 +78,10 @@ std::string plain_text(const std::string& text, const Scene& scene, const std::s
           wall_entry(shape, sources.at(i), scene, shape.body != ground && shaped[shape.body.value]));
   }
   if (!walls.empty()) document["dem"]["walls"] = std::move(walls);
+  for (std::size_t i = 0; scene.dem && i < scene.dem->sensors.size(); ++i)
+    if (const ParticleSensor& sensor = scene.dem->sensors[i];
+        sensor.body != ground && shaped[sensor.body.value])
+      document["dem"]["sensors"][i]["position"] = numbers(sensor.pose.p_WB);
   for (std::size_t i = 0; i < scene.shapes.size(); ++i)
     if (const Shape& shape = scene.shapes[i]; shape.use == ShapeUse::contact)
       document["mbd"]["bodies"][shape.body.value]["shapes"].push_back(contact_entry(shape, sources.at(i)));

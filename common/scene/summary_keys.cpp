@@ -59,6 +59,7 @@ const Runs settled{has_settled, "scenes with dem.settle"};
 const Runs belts{has_belts, "scenes with walls that have a surface_velocity"};
 const Runs elements{[](const Scene& scene) { return !elements_of(scene).empty(); },
                     "scenes with forces, couplers or driven joints"};
+const Runs contact{[](const Scene& scene) { return scene.contact.has_value(); }, "scenes with mbd.contact"};
 const Runs sensors{[](const Scene& scene) { return scene.dem && !scene.dem->sensors.empty(); },
                    "scenes with dem.sensors"};
 const Runs dissipation{[](const Scene& scene) { return scene.output.dissipation; },

@@ -1,4 +1,4 @@
-// Motors and cylinders.
+// Motors, cylinders and tyres.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -119,6 +119,30 @@ void validate_force(const Motor& motor, const Mbd& mbd, double end_time, const s
          "give that or more");
   if (motor.brake && motor.brake->engaged)
     validate_range(*motor.brake->engaged, 0, 1, "share", end_time, origin, path + ".brake.engaged");
+}
+
+void validate_force(const Tyre& tyre, const Mbd& mbd, double, const std::string& origin,
+                    const std::string& path) {
+  constexpr double least_sine = 0.2;  // of the angle between axle and normal, as the solver needs
+  const Joint& joint = mbd.joints[tyre.joint.value];
+  if (joint.type != JointType::revolute)
+    fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
+         "name the joint about which the wheel turns; its child is the wheel");
+  require_unit(tyre.road_normal, origin, path + ".road_normal");
+  if (norm(cross(joint.axis, tyre.road_normal)) < least_sine)
+    fail(origin, path + ".joint",
+         "the axis " + text(joint.axis) + " of joint '" + joint.name + "' is along the normal of the road, " +
+             text(tyre.road_normal),
+         "the axle of a wheel that stands is across it");
+  const double height = dot(joint.position - tyre.road_point, tyre.road_normal);
+  if (!(height > 0.5 * tyre.radius))
+    fail(origin, path + ".road_point",
+         "the centre of the wheel, the point of joint '" + joint.name + "', is " + rounded(height) +
+             " m above the road, less than half of the radius of " + text(tyre.radius) + " m",
+         "give road_point and road_normal of a road below the wheel");
+  if (mbd.start == Start::equilibrium)
+    fail(origin, path, "the search for the equilibrium knows no tyres",
+         "leave out mbd.start, and let the vehicle come to rest in a run");
 }
 
 void validate_force(const Cylinder& cylinder, const Mbd&, double end_time, const std::string& origin,

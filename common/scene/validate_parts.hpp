@@ -16,6 +16,8 @@ void validate_motion(const Joint& joint, double end_time, const std::string& ori
 void validate_size(const Motion& size, const std::string& origin, const std::string& path);
 void validate_force(const Motor& motor, const Mbd& mbd, double end_time, const std::string& origin,
                     const std::string& path);
+void validate_force(const Tyre& tyre, const Mbd& mbd, double end_time, const std::string& origin,
+                    const std::string& path);
 void validate_force(const Cylinder& cylinder, const Mbd& mbd, double end_time, const std::string& origin,
                     const std::string& path);
 // A table of a force has one value for each argument, and its arguments increase.

@@ -38,6 +38,8 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
       driven.joints.insert(spring->joint.value);
     if (const auto* cylinder = std::get_if<scene::Cylinder>(&force)) take_two(*cylinder);
     if (const auto* motor = std::get_if<scene::Motor>(&force)) driven.joints.insert(motor->joint.value);
+    if (const auto* tyre = std::get_if<scene::Tyre>(&force))
+      driven.bodies.insert(mbd.joints[tyre->joint.value].child.value);
     if (const auto* actuator = std::get_if<scene::Actuator>(&force))
       driven.joints.insert(actuator->joint.value);
   }

@@ -174,6 +174,10 @@ std::string describe_mbd(const SceneFile& file, const DryRun* started) {
               const bool pushes = f.kind == BodyLoad::Kind::force;
               forces.add({f.name, pushes ? "force" : "torque", scene.body_name(f.body), "", ""});
             },
+            [&](const Tyre& f) {
+              forces.add({f.name, "tyre", mbd.joints[f.joint.value].name,
+                          fmt::format("{:.6g} N/m", f.stiffness), fmt::format("{:.6g} N s/m", f.damping)});
+            },
             [&](const Rope& f) {
               std::vector<std::string> along;
               for (const RopePoint& point : f.points) along.push_back(scene.body_name(point.body));

@@ -117,10 +117,19 @@ Parts figures(const Cylinder& f) {
   return parts;
 }
 
+Parts figures(const Tyre& f, const Mbd& mbd) {
+  const double height = dot(mbd.joints[f.joint.value].position - f.road_point, f.road_normal),
+               deflection = f.radius - height;
+  return {fmt::format("{:.6g} m above the road at the start, radius {:.6g} m", height, f.radius),
+          deflection > 0 ? fmt::format("bears {:.6g} N there", f.stiffness * deflection)
+                         : std::string("does not touch the road there")};
+}
+
 Parts figures(const Force& force, const Mbd& mbd) {
   return std::visit(Overloaded{[&](const Actuator& f) {
                                  return figures(f, mbd.joints[f.joint.value].type != JointType::prismatic);
                                },
+                               [&](const Tyre& f) { return figures(f, mbd); },
                                [](const Bushing&) { return Parts{"unloaded at the start"}; },
                                [](const auto& f) { return figures(f); }},
                     force);

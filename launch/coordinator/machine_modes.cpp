@@ -92,6 +92,9 @@ std::string machine_modes(const SceneFile& file, bool as_given) {
   if (scene.contact)
     throw Error(ErrorCode::scene, "modes know no contacts between bodies", "mbd.contact",
                 "leave it out, and give bushings or springs where bodies rest on each other");
+  if (!model.tyres.empty())
+    throw Error(ErrorCode::scene, "modes know no tyres", "mbd.forces",
+                "leave them out, and give bushings or springs where the wheels stand on the road");
   mbd::State state = mbd::initial_state(model, scene);
   mbd::assemble(scene, model, system, state);
   std::string text;

@@ -129,8 +129,8 @@ class Run {
 
   void observe();
   void write_frame();
-  // The same in two parts where the solver can keep a snapshot: fetch_frame() is called after the next
-  // window, during which the solver has prepared the frame.
+  // The same in two parts where the solver can keep a snapshot: fetch_frame() is called some windows later,
+  // during which the solver prepares the frame.
   void begin_frame();
   void fetch_frame();
   void set_next_frame();
@@ -171,7 +171,9 @@ class Run {
     Nanoseconds time;
     std::optional<protocol::BodiesFrame> bodies;
     Results::ParticleCheck check;
+    int windows = 0;  // since then
   };
+  static constexpr int windows_of_a_frame = 3;
   std::optional<BegunFrame> begun_frame_;
   Nanoseconds begin_;  // 0, or the time from which a run continues
   std::optional<Checkpoints> checkpoints_;
@@ -239,8 +241,8 @@ void Run::advance() {
       solvers_.mbd->control(
           control_->request(now_, *bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr));
     coupler_->advance(limit);
-    fetch_frame();
     now_ = coupler_->now();
+    if (begun_frame_ && (++begun_frame_->windows == windows_of_a_frame || now_ >= next_frame_)) fetch_frame();
     if (particle_watch_) particle_watch_->record(coupler_->exchange());
     if (wall_load_watch_) wall_load_watch_->record(coupler_->exchange());
     if (sphere_watch_) sphere_watch_->record(coupler_->exchange());
@@ -387,7 +389,7 @@ void Run::begin_frame() {
     return write_frame();
   stopwatch_.begin_output(solvers_);
   solvers_.dem->snapshot(now_);
-  begun_frame_ = {now_, bodies_ ? std::optional(*bodies_) : std::nullopt, check_of_frame()};
+  begun_frame_ = {now_, bodies_ ? std::optional(*bodies_) : std::nullopt, check_of_frame(), 0};
   set_next_frame();
   stopwatch_.end_output(solvers_);
 }
@@ -396,12 +398,12 @@ void Run::fetch_frame() {
   if (!begun_frame_) return;
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
-  const auto [time, bodies, check] = *std::exchange(begun_frame_, {});
+  const BegunFrame begun = *std::exchange(begun_frame_, {});
   protocol::ParticlesFrame& frame = results_.particles_to_write();
-  results_.write_frame(time, bodies ? &*bodies : nullptr, &frame,
-                       [check, of_values = solvers_.dem->receive_particles(time, frame)](
-                           const protocol::ParticlesFrame& spheres) {
-                         of_values(spheres);
+  const auto check_values = solvers_.dem->receive_particles(begun.time, frame);
+  results_.write_frame(begun.time, begun.bodies ? &*begun.bodies : nullptr, &frame,
+                       [check_values, check = begun.check](const protocol::ParticlesFrame& spheres) {
+                         check_values(spheres);
                          check(spheres);
                        });
   stopwatch_.end_output(solvers_);

@@ -54,6 +54,17 @@ double impact_depth(const ContactLaw& law, double mass, double rate) {
   return std::pow((n + 1) * mass * rate * rate / (2 * law.stiffness), 1 / (n + 1));
 }
 
+double power(const Model& model, const ContactColumn& column, double gap, double gap_rate,
+             const Vector3d& stretch, const Vector3d& sliding) {
+  const ContactLaw law = model.contact.law(static_cast<int>(column[ContactRow::shape_a]),
+                                           static_cast<int>(column[ContactRow::shape_b]));
+  const double normal =
+      normal_force(law, -gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::mass]).force;
+  const Vector3d trial = -column[ContactRow::stiffness] * stretch - column[ContactRow::damping] * sliding;
+  const double size = trial.norm(), most = law.friction * normal;
+  return normal * gap_rate + (size > most ? most / size : 1) * trial.dot(sliding);
+}
+
 ContactFeature feature_of(const ContactColumn& column) {
   ContactFeature f;
   f.a = static_cast<int>(column[ContactRow::shape_a]), f.b = static_cast<int>(column[ContactRow::shape_b]);
@@ -76,14 +87,14 @@ void set_feature(const ContactFeature& f, Eigen::Ref<ContactColumn> column) {
   column[ContactRow::radius_a] = f.radius_a, column[ContactRow::radius_b] = f.radius_b;
 }
 
-ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links) {
+ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
+                      Derivatives derivatives) {
   const ContactFeature feature = feature_of(column);
   const LinkMotion &a = link_of(model, feature.a, links), &b = link_of(model, feature.b, links);
   const ContactLaw law = model.contact.law(feature.a, feature.b);
-  const Touch t = touch(model, feature, links);
+  const Touch t = touch(model, feature, links, derivatives);
   ContactForce f;
   f.p = t.p, f.n = t.n, f.gap = t.gap;
-  f.by_a.setZero(), f.by_b.setZero(), f.by_velocity.setZero();
   const Vector3d &n = f.n, &p = f.p;
   const Vector6d V = b.V - a.V;
   f.velocity = at_point(V, p);
@@ -100,6 +111,16 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   f.stretch = s - along_n * n;
   f.energy += 0.5 * k * f.stretch.squaredNorm();
   if (!(f.normal > 0)) return f;
+  if (derivatives == Derivatives::without) {
+    f.force = f.normal * n;
+    if (!(law.friction > 0)) return f;
+    f.friction = -k * f.stretch - c * (f.velocity - gap_rate * n);
+    const double most = law.friction * f.normal, size = f.friction.norm();
+    f.slides = size > most;
+    if (f.slides) f.friction = most * Vector3d(f.friction / size);
+    f.force += f.friction;
+    return f;
+  }
 
   // Changes per displacement of a and of b.
   const Matrix3x6d L = at_point_matrix(p);

@@ -28,7 +28,7 @@ struct ContactForce {
   bool slides = false;                   // friction is mu N
   // Change of the wrench on b in the world per displacement of a and of b, and per velocity of b relative to
   // a.
-  Matrix6d by_a, by_b, by_velocity;
+  Matrix6d by_a = Matrix6d::Zero(), by_b = by_a, by_velocity = by_a;
 };
 
 // Feature of a point in contact, a column of State::contacts, and the reverse.
@@ -36,8 +36,14 @@ using ContactColumn = Eigen::Matrix<double, ContactRow::count, 1>;
 ContactFeature feature_of(const ContactColumn& column);
 void set_feature(const ContactFeature& feature, Eigen::Ref<ContactColumn> column);
 
-ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links);
+// Without derivatives, by_a, by_b and by_velocity are zero.
+ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
+                      Derivatives derivatives = Derivatives::with);
 
+// Power of the force at a point on the two links, from the quantities of a ContactForce alone: negative where
+// the point stores or dissipates energy [W].
+double power(const Model& model, const ContactColumn& column, double gap, double gap_rate,
+             const Vector3d& stretch, const Vector3d& sliding);
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);
 // Largest depth of an impact of that mass at that rate, without damping [m].

@@ -161,7 +161,8 @@ double gap(const Model& model, const ContactFeature& f, const std::vector<LinkMo
 namespace {
 
 // With m across n and e_b, m . (c - o) stays zero, which gives the change of c along e_a.
-Touch touch_lines(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links) {
+Touch touch_lines(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links,
+                  Derivatives derivatives) {
   using Row6d = Eigen::Matrix<double, 1, 6>;
   const Crossing x = crossing(model, f, links);
   Touch t;
@@ -169,6 +170,7 @@ Touch touch_lines(const Model& model, const ContactFeature& f, const std::vector
   t.gap = x.length - f.radius_a - f.radius_b;
   const double reach = f.radius_a + 0.5 * t.gap;
   t.p = x.c + reach * x.n;
+  if (derivatives == Derivatives::without) return t;
   const Matrix3d across = (Matrix3d::Identity() - x.n * x.n.transpose()) / x.sine;
   t.dn_a.setZero(), t.dn_b.setZero();
   t.dn_a.leftCols<3>() = across * skew(x.e_b) * skew(x.e_a);
@@ -188,14 +190,16 @@ Touch touch_lines(const Model& model, const ContactFeature& f, const std::vector
 
 // b seen at c moves by dx_b; relative to b, c moves by dc = dx_a - dx_b, and o by its part along the free
 // directions. The normal turns with b, and by -(1 - n n^T - along along^T) dc / length besides.
-Touch touch(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links) {
-  if (f.kind == ContactFeature::Kind::lines) return touch_lines(model, f, links);
+Touch touch(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links,
+            Derivatives derivatives) {
+  if (f.kind == ContactFeature::Kind::lines) return touch_lines(model, f, links, derivatives);
   const Nearest x = nearest(model, f, links);
   Touch t;
   t.n = x.n;
   t.gap = x.length - x.r_a - x.r_b;
   const double reach = x.r_a + 0.5 * t.gap;
   t.p = x.c + reach * x.n;
+  if (derivatives == Derivatives::without) return t;
   Matrix3d turning = Matrix3d::Zero();  // of the normal, per dc
   if (x.free < 2 && x.length != 0) {
     turning = x.n * x.n.transpose() - Matrix3d::Identity();

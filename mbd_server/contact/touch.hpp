@@ -16,9 +16,12 @@ struct Touch {
   Vector3d p;      // point of contact: in the middle between the two surfaces along n [m]
   double gap = 0;  // [m]
   // Changes of n and p per displacement of the links. That of the gap is n . (dx_b - dx_a) at p.
-  Matrix3x6d dn_a, dn_b, dp_a, dp_b;
+  // Zero without derivatives.
+  Matrix3x6d dn_a = Matrix3x6d::Zero(), dn_b = dn_a, dp_a = dn_a, dp_b = dn_a;
 };
-Touch touch(const Model& model, const ContactFeature& feature, const std::vector<LinkMotion>& links);
+enum class Derivatives { with, without };
+Touch touch(const Model& model, const ContactFeature& feature, const std::vector<LinkMotion>& links,
+            Derivatives derivatives = Derivatives::with);
 
 // Place of a point of a link in the frame of that link.
 inline Vector3d in_link(const LinkMotion& link, const Vector3d& p) {

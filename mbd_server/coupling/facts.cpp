@@ -171,6 +171,10 @@ std::string report_facts(const RunFigures& f) {
                 {"motions", energy.motion_work}}},
               {"mbd_dissipated_J", energy.dissipated},
               {"mbd_dof_end", f.degrees_of_freedom}};
+  if (f.body_contacts) {
+    others["mbd_body_contacts"] = f.body_contacts->contacts;
+    others["mbd_body_contact_steps"] = f.body_contacts->steps;
+  }
   if (!f.elements.empty()) others["mbd_elements_end"] = elements_of(f.elements);
   add_error_facts(f.error, facts, others);
   return protocol::encode_facts(facts, others);

@@ -10,6 +10,7 @@
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/solve/assembly.hpp"
+#include "mbd_server/step/body_contacts.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
 
 namespace tandem::mbd {
@@ -22,6 +23,7 @@ struct RunFigures {
   std::string state_hash;
   StepCounters counters;
   StopCounters stops;
+  std::optional<BodyContactCounters> body_contacts;  // none: the scene has no mbd.contact
   ShortenedSteps shortened;
   double solver_seconds = 0, solver_cpu_seconds = 0;  // in predict and advance [s]
   // Sum of the local errors of the position over all steps of fixed length; none where no step has a fixed

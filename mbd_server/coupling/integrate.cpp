@@ -71,11 +71,12 @@ void MbdSolver::integrate_until(double end, double length) {
   const StopContacts::Stride stride = std::ref(step_with_friction);
   const auto step_with_stops = [&](double h) { return m.contacts.step(state_, h, stride); };
   const BodyContacts::Stride stride_to_stops = std::ref(step_with_stops);
+  const double energy_scale = m.model.contact.empty() ? 0 : this->energy_scale();
   for (int i = 0; state_.time < end; ++i) {
     if (!control_ || i == 0)
       m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});
     // The remainder of a fixed step that a contact has cut is taken as well.
-    m.touching.begin(control_ ? longest_step_ : steps.length);
+    m.touching.begin(control_ ? longest_step_ : steps.length, energy_scale);
     double left = control_ ? end - state_.time : steps.length;
     do {
       const double h = m.touching.step(state_, left, stride_to_stops);

@@ -371,6 +371,7 @@ protocol::Report MbdSolver::report() {
       .state_hash = hash(state_),
       .counters = m.controlled().counters(),
       .stops = m.contacts.counters(),
+      .body_contacts = m.model.contact.empty() ? std::nullopt : std::optional(m.touching.counters()),
       .shortened = m.method.shortened(),
       .solver_seconds = seconds_,
       .solver_cpu_seconds = cpu_seconds_,

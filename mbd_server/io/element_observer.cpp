@@ -1,6 +1,7 @@
 #include "mbd_server/io/element_observer.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mbd_server/forces/bushing.hpp"
 #include "mbd_server/forces/element_force.hpp"
@@ -8,6 +9,7 @@
 #include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/size_over_joint.hpp"
 #include "mbd_server/forces/spring_damper.hpp"
+#include "mbd_server/forces/tyre.hpp"
 #include "mbd_server/io/energy_balance.hpp"
 
 namespace tandem::mbd {
@@ -73,6 +75,7 @@ void ElementObserver::observe(const State& state, const MachineSystem& system, c
   observe_couplers(state, system, values);
   observe_elements(state, system, sums, values);
   observe_springs(system, values);
+  observe_tyres(state, system, values);
   observe_loads(state, system, values);
 }
 
@@ -205,6 +208,21 @@ void ElementObserver::observe_springs(const MachineSystem& system, Values& value
     values.add(rope.account, Channel::power, -pull * stretch.rate);
     values.add(rope.account, Channel::stored_energy, 0.5 * rope.stiffness * e * e);
     values.add(rope.account, Channel::loss_power, dissipated_power(rope, stretch.elongation, stretch.rate));
+  }
+}
+
+void ElementObserver::observe_tyres(const State& state, const MachineSystem& system, Values& values) const {
+  for (const TyreOnLink& tyre : model_.tyres) {
+    if (tyre.account == none) continue;
+    const TyreForce f = evaluate(tyre, state, system.links());
+    for (int axis = 0; axis < 3; ++axis) values.add(tyre.account, Channel::force, f.force[axis], axis);
+    values.add(tyre.account, Channel::slip, f.slip.x());
+    values.add(tyre.account, Channel::slip_angle, std::atan(f.slip.y()));
+    values.add(tyre.account, Channel::aligning_torque, f.aligning);
+    values.add(tyre.account, Channel::loaded_radius, f.radius);
+    values.add(tyre.account, Channel::power, f.power);
+    values.add(tyre.account, Channel::stored_energy, f.energy);
+    values.add(tyre.account, Channel::loss_power, f.lost);
   }
 }
 

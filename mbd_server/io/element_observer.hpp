@@ -30,6 +30,7 @@ class ElementObserver {
   void observe_elements(const State& state, const MachineSystem& system, const EnergySums& sums,
                         Values& values) const;
   void observe_springs(const MachineSystem& system, Values& values) const;
+  void observe_tyres(const State& state, const MachineSystem& system, Values& values) const;
   void observe_loads(const State& state, const MachineSystem& system, Values& values) const;
 
   // Of one element: first column of each channel, or none; and whether it is a force of the scene.

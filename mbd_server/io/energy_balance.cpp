@@ -4,6 +4,7 @@
 
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/forces/size_over_joint.hpp"
+#include "mbd_server/forces/tyre.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -81,6 +82,7 @@ EnergyBalance::EnergyBalance(const Model& model) : model_(model) {
     if (!bushing.damping.isZero(0)) bushings_.push_back({.bushing = &bushing});
   for (const RopeOnLinks& rope : model.ropes)
     if (rope.damping != 0) ropes_.push_back({.rope = &rope});
+  for (const TyreOnLink& tyre : model.tyres) tyres_.push_back({.tyre = &tyre});
   for (const Element& element : model.elements) elements_.push_back({.element = &element});
 }
 
@@ -295,6 +297,18 @@ void EnergyBalance::add(const RopePort& from, const RopePort& to, double h, Ener
   const double elongation = middle(from.elongation, to.elongation, from.rate, to.rate, h);
   sums.add(&EnergySums::dissipated,
            simpson(from.lost, dissipated_power(*to.rope, elongation, rate), to.lost, h), to.rope->account);
+}
+
+// ---- tyres
+
+EnergyBalance::TyrePort EnergyBalance::seen(const TyrePort& port, const State& state,
+                                            const MachineSystem& system) const {
+  return {.tyre = port.tyre, .lost = evaluate(*port.tyre, state, system.links()).lost};
+}
+
+// The power between the ends of a step is taken as linear.
+void EnergyBalance::add(const TyrePort& from, const TyrePort& to, double h, EnergySums& sums) const {
+  sums.add(&EnergySums::dissipated, 0.5 * h * (from.lost + to.lost), to.tyre->account);
 }
 
 // ---- motors and cylinders

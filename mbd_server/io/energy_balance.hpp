@@ -80,6 +80,10 @@ class EnergyBalance {
     double lost = 0;                                    // [W]
   };
 
+  struct TyrePort {
+    const TyreOnLink* tyre;
+    double lost = 0;  // [W]
+  };
   struct ElementPort {
     const Element* element;
     ElementArgument x{};
@@ -93,6 +97,7 @@ class EnergyBalance {
   SpringPort seen(const SpringPort& port, const State& state, const MachineSystem& system) const;
   BushingPort seen(const BushingPort& port, const State& state, const MachineSystem& system) const;
   RopePort seen(const RopePort& port, const State& state, const MachineSystem& system) const;
+  TyrePort seen(const TyrePort& port, const State& state, const MachineSystem& system) const;
   ElementPort seen(const ElementPort& port, const State& state, const MachineSystem& system) const;
 
   Coordinates coordinates(LinkIndex link, const State& state, const MachineSystem& system) const;
@@ -105,11 +110,12 @@ class EnergyBalance {
   void add(const SpringPort& from, const SpringPort& to, double h, EnergySums& sums) const;
   void add(const BushingPort& from, const BushingPort& to, double h, EnergySums& sums) const;
   void add(const RopePort& from, const RopePort& to, double h, EnergySums& sums) const;
+  void add(const TyrePort& from, const TyrePort& to, double h, EnergySums& sums) const;
   void add(const ElementPort& from, const ElementPort& to, double h, EnergySums& sums) const;
 
   template <class F>
   void for_each_list(F&& f) {
-    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_), f(ropes_), f(elements_);
+    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_), f(ropes_), f(tyres_), f(elements_);
   }
 
   const Model& model_;
@@ -121,6 +127,7 @@ class EnergyBalance {
   std::vector<SpringPort> springs_;
   std::vector<BushingPort> bushings_;
   std::vector<RopePort> ropes_;
+  std::vector<TyrePort> tyres_;
   std::vector<ElementPort> elements_;
   mutable State between_;  // time and inputs in the middle of a step
 };

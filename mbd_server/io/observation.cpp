@@ -7,6 +7,7 @@
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/size_over_joint.hpp"
+#include "mbd_server/forces/tyre.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -18,7 +19,7 @@ void for_each_contact(const Model& model, const State& state, const std::vector<
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
     act(model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_a, k))),
         model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_b, k))),
-        evaluate(model, state.contacts.col(k), links));
+        evaluate(model, state.contacts.col(k), links, Derivatives::without));
 }
 
 Matrix6d inertia_in_world(const BodyOnLink& body, const LinkMotion& link) {
@@ -127,6 +128,7 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
     apply(bushing.b.body, w);
     apply(bushing.a.body, -w);
   }
+  for (const TyreOnLink& tyre : model_.tyres) apply(tyre.centre.body, evaluate(tyre, state, links).wrench);
   RopeForce tension;
   for (const RopeOnLinks& rope : model_.ropes) {
     evaluate(rope, links, tension);
@@ -179,6 +181,7 @@ double potential_energy(const Model& model, const State& state, const std::vecto
     const double e = std::max(0.0, stretch_of(rope, links).elongation);
     sum += 0.5 * rope.stiffness * e * e;
   }
+  for (const TyreOnLink& tyre : model.tyres) sum += evaluate(tyre, state, links).energy;
   for (const JointForce& f : model.joint_forces) sum += energy(f, links[f.link].coordinate.value);
   for (const Element& e : model.elements)
     sum += stored_energy(e, argument(e, links).s, states_of(e, state.z));
@@ -226,6 +229,7 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
   for_each_contact(model, state, links, [&](const ContactShape&, const ContactShape&, const ContactForce& f) {
     sum += f.force.norm();
   });
+  for (const TyreOnLink& tyre : model.tyres) sum += evaluate(tyre, state, links).force.norm();
   for (const BushingOnLinks& bushing : model.bushings) {
     const BushingForce f = evaluate(bushing, links);
     sum += f.on_b.head<3>().norm();

@@ -103,6 +103,24 @@ struct BushingOnLinks {
   int account = none;
 };
 
+// The force of a plane road on a wheel, see scene::Tyre. Its first-order states are the deflections of the
+// tread (forces/tyre.hpp).
+struct TyreOnLink {
+  std::string name;
+  PointOnBody centre;                             // of the wheel
+  Vector3d axle = Vector3d::UnitY();              // link axes
+  Vector3d normal = Vector3d::UnitZ();            // of the road, world axes
+  double height = 0;                              // of the road along the normal, from Model::origin [m]
+  double radius = 0, stiffness = 0, damping = 0;  // [m], [N/m], [N s/m]
+  double friction = 0;
+  double slip_stiffness = 0, cornering_stiffness = 0;  // over the load
+  double relaxation_x = 0, relaxation_y = 0;           // [m]
+  double rolling_resistance = 0;
+  double patch = 0;  // length of contact [m]
+  int state = 0;     // the first of two
+  int account = none;
+};
+
 // The size of a force as a function of a joint coordinate or its rate, see scene::JointFunction.
 struct SizeOverJoint {
   LinkIndex link = 0;
@@ -167,6 +185,7 @@ struct Model {
   std::vector<int> boundary;       // bodies with walls of the particle side, ascending
   std::vector<Spring> springs;
   std::vector<RopeOnLinks> ropes;
+  std::vector<TyreOnLink> tyres;
   std::vector<BushingOnLinks> bushings;
   std::vector<LoadOnLink> loads;
   std::vector<JointForce> joint_forces;

@@ -334,7 +334,7 @@ class Builder {
                     [](const BushingOnLinks& b) { return !b.damping.isZero(0); }) ||
         std::any_of(model_.ropes.begin(), model_.ropes.end(),
                     [](const RopeOnLinks& r) { return r.damping != 0; }) ||
-        !model_.contact.empty();
+        !model_.contact.empty() || !model_.tyres.empty();
     model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0 ||
                      !model_.elements.empty() ||
                      std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),

@@ -90,6 +90,32 @@ struct Placer {
     force.drive = static_cast<int>(model.drives.size());
     model.drives.emplace_back(f.size, scene::FunctionOf::force);
   }
+  void operator()(const scene::Tyre& f) const {
+    const scene::Joint& joint = at.scene.mbd->joints[f.joint.value];
+    TyreOnLink& tyre = model.tyres.emplace_back();
+    tyre.name = f.name;
+    tyre.account = account;
+    tyre.centre = at.point(model, joint.child, joint.child_position.value_or(joint.position));
+    // Link frames are parallel to the world in the pose of the file.
+    tyre.axle = to_eigen(joint.axis).normalized();
+    tyre.normal = to_eigen(f.road_normal).normalized();
+    tyre.height = tyre.normal.dot(to_eigen(f.road_point) - model.origin);
+    tyre.radius = f.radius, tyre.stiffness = f.stiffness, tyre.damping = f.damping;
+    tyre.friction = f.friction;
+    tyre.slip_stiffness = f.slip_stiffness, tyre.cornering_stiffness = f.cornering_stiffness;
+    tyre.relaxation_x = f.relaxation_length;
+    tyre.relaxation_y = f.lateral_relaxation_length.value_or(f.relaxation_length);
+    tyre.rolling_resistance = f.rolling_resistance;
+    tyre.patch = f.patch_length;
+    tyre.state = static_cast<int>(model.first_states.size());
+    model.first_states.conservativeResize(tyre.state + 2);
+    model.state_scale.conservativeResize(tyre.state + 2);
+    model.first_states.tail<2>().setZero();
+    model.state_scale.tail<2>() << tyre.relaxation_x, tyre.relaxation_y;
+    for (const char* way : {"along", "across"})
+      model.state_names.push_back(std::string("deflection ") + way + " of the tread of tyre \"" + f.name +
+                                  "\"");
+  }
   void operator()(const scene::Motor& f) const { place_element(f, account, inputs, model); }
   void operator()(const scene::Cylinder& f) const { place_element(at, f, account, inputs, model); }
 };

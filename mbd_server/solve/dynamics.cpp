@@ -25,6 +25,7 @@ Dynamics::Dynamics(const Model& model)
       springs_(model.springs.size()),
       bushings_(model.bushings.size()),
       ropes_(model.ropes.size()),
+      tyres_(model.tyres.size()),
       elements_(model.elements.size()),
       cylinders_(model.elements.size()),
       z_(model.first_states),
@@ -51,6 +52,7 @@ void Dynamics::add_link_forces(const State& state, const VectorXd* driven) {
   apply_springs();
   apply_ropes();
   apply_elements(state);
+  apply_tyres(state);
   apply_closures(state);
   apply_contacts(state);
 }
@@ -176,6 +178,16 @@ void Dynamics::apply_elements(const State& state) {
     const SpringForce& f = cylinders_[i] = along_line(e, value, links_);
     apply(e.b.link, f.p_b, f.on_b, Vector3d::Zero());
     apply(e.a.link, f.p_a, -f.on_b, Vector3d::Zero());
+  }
+}
+
+// As for contacts, the whole change of the wrench is in its derivatives.
+void Dynamics::apply_tyres(const State& state) {
+  for (std::size_t i = 0; i < tyres_.size(); ++i) {
+    const TyreOnLink& tyre = model_.tyres[i];
+    const TyreForce& f = tyres_[i] = evaluate(tyre, state, links_);
+    z_.segment<2>(tyre.state) = f.w, zdot_.segment<2>(tyre.state) = f.w_rate;
+    apply(tyre.centre.link, f.wrench);
   }
 }
 

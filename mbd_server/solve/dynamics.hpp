@@ -15,6 +15,7 @@
 #include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/spring_damper.hpp"
+#include "mbd_server/forces/tyre.hpp"
 #include "mbd_server/kinematics/kinematics.hpp"
 #include "mbd_server/solve/linearisation.hpp"
 #include "mbd_server/state/system.hpp"
@@ -83,6 +84,7 @@ class Dynamics {
   void apply_springs();
   void apply_ropes();
   void apply_elements(const State& state);
+  void apply_tyres(const State& state);
   void add_motors(const State& state);
   void apply_closures(const State& state);
   void apply_contacts(const State& state);
@@ -101,6 +103,7 @@ class Dynamics {
   std::vector<SpringForce> springs_;    // (springs)
   std::vector<BushingForce> bushings_;  // (bushings)
   std::vector<RopeForce> ropes_;        // (ropes)
+  std::vector<TyreForce> tyres_;        // (tyres)
   std::vector<ElementValue> elements_;  // (elements)
   std::vector<SpringForce> cylinders_;  // valid for cylinders (elements)
   std::vector<PairOfLinks> contacts_;   // pairs of links in contact, sorted

@@ -57,6 +57,7 @@ Linearisation::Linearisation(const Model& model) : grounded_of(model.links.size(
     stiffness_connection.push_back(
         c.has_geometric_stiffness() ? add(c.a, c.b, c.stiffness_is_torque() ? 3 : 6) : none);
   for (const ContactShape& shape : model.contact.shapes) add(0, shape.link, 6);
+  for (const TyreOnLink& tyre : model.tyres) add(0, tyre.centre.link, 6);
   for (const RopeOnLinks& rope : model.ropes) {
     std::vector<LinkIndex> moving;
     for (const PointOnBody& p : rope.points)
@@ -260,6 +261,12 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     change_b.topLeftCorner<3, 6>() -= weights.stiffness * skew(f.on_b.head<3>()) * L;  // p moves with b
     place(out.bushing_connection[s], a, b, Matrix6d::Identity(), Matrix6d::Identity(),
           Form(wrench * (turn_with_a - change)), change_b, 6);
+  }
+  for (std::size_t t = 0; t < tyres_.size(); ++t) {
+    const LinkIndex wheel = model_.tyres[t].centre.link;
+    if (wheel == 0) continue;
+    on(wheel).leftCols<6>() -= weights.stiffness * tyres_[t].by_displacement;
+    on(wheel).middleCols<6>(6) -= tyres_[t].by_velocity;
   }
   int contact = out.first_contact;
   for (const PairOfLinks& f : contacts_) {

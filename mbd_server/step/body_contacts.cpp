@@ -13,9 +13,18 @@ namespace tandem::mbd {
 namespace {
 
 constexpr double steps_per_contact = 32;
+// An impact of much damping loses most of its rate in a part of this share of its duration: steps there are
+// shorter.
+constexpr double sudden = 0.125;
+double part_of_step(const ContactLaw& law) {
+  return 1 / std::sqrt(1 + 0.5 * law.damping_number);
+}
 // Impacts that end again last one to some durations of one without loads.
 constexpr double lasting = 10;
 constexpr double growth = 2;  // of the steps after a contact
+// Steps per half a period where a contact vibrates: where the energy of its rate is more than this share of
+// the energy that moves.
+constexpr double steps_per_vibration = 16, least_vibration = 1e-6;
 // A body whose shape has corners or a length turns by at most this angle in a step [rad].
 constexpr double largest_turn = 0.5;
 // A step that passes the end of a contact within these shares of its length is not cut; one that is cut
@@ -42,7 +51,9 @@ BodyContacts::BodyContacts(const Model& model, GeneralizedAlpha& method, Machine
       unit_(VectorXd::Zero(state.u.size())),
       response_(unit_),
       dlambda_(VectorXd::Zero(system.constraints())),
-      zero_(dlambda_) {}
+      zero_(dlambda_) {
+  if (!model.contact.empty()) find_machines();
+}
 
 void BodyContacts::prepare(State& state) {
   if (model_.contact.empty()) return;
@@ -65,7 +76,7 @@ void BodyContacts::expect_apart(const State& state, double share, ErrorCode code
   };
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
     const auto column = state.contacts.col(k);
-    const double depth = -evaluate(model_, column, system_.links()).gap;
+    const double depth = -evaluate(model_, column, system_.links(), Derivatives::without).gap;
     const double a = column[ContactRow::shape_a], b = column[ContactRow::shape_b],
                  thinner = std::min(thickness(a), thickness(b));
     if (!(depth > share * thinner)) continue;
@@ -88,10 +99,17 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   stops_before_ = stops_.mark();
   stiction_before_ = stiction_.counters();
   record(state, at_begin_);
-  const double limit = longest_step(state, h);
-  double taken = stride(limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h);
-  measure(state, gaps_);
-  if (const std::optional<Passage> first = passed(taken)) taken = cut(state, taken, *first, stride);
+  double limit = longest_step(state, h), taken = 0;
+  while (true) {
+    taken = stride(limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h);
+    measure(state, gaps_);
+    if (const std::optional<Passage> first = passed(taken)) taken = cut(state, taken, *first, stride);
+    record(state, at_end_);
+    const double resolving = resolving_step(state);
+    if (taken <= growth * resolving) break;
+    limit = resolving;
+    go_back(state);
+  }
   accept(state, taken);
   expect_apart(state, 1, ErrorCode::numerics, "pass through each other",
                "give their materials more stiffness, so that they stop each other before that");
@@ -131,7 +149,8 @@ void BodyContacts::find(State& state, double h) {
     }
   }
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
-    if (!taken[static_cast<std::size_t>(k)]) lost_ += evaluate(model_, state.contacts.col(k), links).energy;
+    if (!taken[static_cast<std::size_t>(k)])
+      lost_ += evaluate(model_, state.contacts.col(k), links, Derivatives::without).energy;
   keep(state, kept);
 }
 
@@ -212,10 +231,14 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
   return first;
 }
 
-double BodyContacts::repeat(State& state, double h, const Stride& stride) {
+void BodyContacts::go_back(State& state) {
   state = before_;
   stops_.back(stops_before_);
   stiction_.back(stiction_before_);
+}
+
+double BodyContacts::repeat(State& state, double h, const Stride& stride) {
+  go_back(state);
   const double taken = stride(h);
   measure(state, gaps_);
   return taken;
@@ -252,66 +275,133 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
 
 // Points within the tolerance whose shapes approach each other, or are pressed together, come into contact.
 bool BodyContacts::enter_all(State& state) {
-  bool any = false;
   const auto& links = system_.links();
-  for (Candidate& candidate : candidates_) {
-    if (candidate.column >= 0) continue;
+  entries_.clear();
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (candidates_[i].column >= 0) continue;
     double rate = 0;
-    const double distance = gap(model_, candidate.feature, links, &rate);
+    const double distance = gap(model_, candidates_[i].feature, links, &rate);
     if (!(distance <= tolerance_)) continue;
     if (rate > 0 && distance >= -tolerance_) continue;
-    if (!any) {
-      response_.setZero();
-      system_.factorise({.mass = 1, .damping = 0, .stiffness = 0}, response_);
-    }
-    enter(state, candidate, std::max(0.0, -rate));
-    any = true;
+    entries_.push_back({i, std::max(0.0, -rate)});
   }
-  return any;
+  if (entries_.empty()) return false;
+  find_masses();
+  const Eigen::Index first = state.contacts.cols();
+  state.contacts.conservativeResize(Eigen::NoChange, first + std::ssize(entries_));
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    enter(state, entries_[i], first + static_cast<Eigen::Index>(i));
+  return true;
 }
 
-void BodyContacts::enter(State& state, Candidate& candidate, double rate) {
+// The inertia that each point feels, closures included: a unit force gives the gap the rate 1/m. Points of
+// machines that no closure connects share a solution, so that the cost is linear in the points.
+void BodyContacts::find_masses() {
+  response_.setZero();
+  system_.factorise({.mass = 1, .damping = 0, .stiffness = 0}, response_);
+  const auto& links = system_.links();
+  const auto along = [&](LinkIndex link, const Vector6d& wrench, const auto& apply) {
+    for (; link > 0; link = model_.links[static_cast<std::size_t>(link)].parent) {
+      const Link& l = model_.links[static_cast<std::size_t>(link)];
+      for (int j = 0; j < l.freedoms(); ++j)
+        apply(l.u + j, links[static_cast<std::size_t>(link)].S.col(j).dot(wrench));
+    }
+  };
+  for (std::size_t left = entries_.size(); left > 0;) {
+    unit_.setZero();
+    std::fill(busy_.begin(), busy_.end(), false);
+    now_.clear();
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (entries_[i].mass > 0) continue;
+      const ContactFeature& f = candidates_[entries_[i].candidate].feature;
+      const int a = machine_of(f.a), b = machine_of(f.b);
+      if ((a != none && busy_[static_cast<std::size_t>(a)]) ||
+          (b != none && busy_[static_cast<std::size_t>(b)]))
+        continue;
+      if (a != none) busy_[static_cast<std::size_t>(a)] = true;
+      if (b != none) busy_[static_cast<std::size_t>(b)] = true;
+      now_.push_back(i);
+      const Touch t = touch(model_, f, links, Derivatives::without);
+      const Vector6d wrench = wrench_at(t.p, t.n);
+      along(model_.contact.shape(f.b).link, wrench, [&](int u, double part) { unit_[u] += part; });
+      along(model_.contact.shape(f.a).link, wrench, [&](int u, double part) { unit_[u] -= part; });
+    }
+    system_.solve(unit_, zero_, response_, dlambda_);
+    for (const std::size_t i : now_) {
+      const ContactFeature& f = candidates_[entries_[i].candidate].feature;
+      const Touch t = touch(model_, f, links, Derivatives::without);
+      const Vector6d wrench = wrench_at(t.p, t.n);
+      double compliance = 0;
+      along(model_.contact.shape(f.b).link, wrench,
+            [&](int u, double part) { compliance += part * response_[u]; });
+      along(model_.contact.shape(f.a).link, wrench,
+            [&](int u, double part) { compliance -= part * response_[u]; });
+      // Bodies that motions or loops hold have no inertia along the contact; any finite value serves.
+      entries_[i].mass = compliance > 0 ? 1 / compliance : 1e6 * model_.contact.law(f.a, f.b).stiffness;
+    }
+    left -= now_.size();
+  }
+}
+
+int BodyContacts::machine_of(int shape) const {
+  return machine_of_link_[static_cast<std::size_t>(model_.contact.shape(shape).link)];
+}
+
+// Links that move with each other through joints or closures are one machine.
+void BodyContacts::find_machines() {
+  const std::size_t count = model_.links.size();
+  std::vector<LinkIndex> root(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const LinkIndex parent = model_.links[i].parent;
+    root[i] = i == 0 || parent <= 0 ? static_cast<LinkIndex>(i) : root[static_cast<std::size_t>(parent)];
+  }
+  // Each root refers to an earlier one of its machine, or to itself.
+  const auto first = [&](LinkIndex i) {
+    i = root[static_cast<std::size_t>(i)];
+    while (root[static_cast<std::size_t>(i)] != i) i = root[static_cast<std::size_t>(i)];
+    return i;
+  };
+  const auto join = [&](LinkIndex a, LinkIndex b) {
+    a = first(a), b = first(b);
+    if (a != 0 && b != 0) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  };
+  for (const Closure& c : model_.closures) {
+    join(c.a, c.b);
+    for (const CoupledLink& term : c.terms) join(c.a, term.link);
+  }
+  machine_of_link_.assign(count, none);
+  for (std::size_t i = 1; i < count; ++i)
+    machine_of_link_[i] = static_cast<int>(first(static_cast<LinkIndex>(i)));
+  busy_.assign(count, false);
+}
+
+void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
+  Candidate& candidate = candidates_[entry.candidate];
   const ContactFeature& feature = candidate.feature;
   const ContactShape &a = model_.contact.shape(feature.a), &b = model_.contact.shape(feature.b);
   const ContactLaw law = model_.contact.law(feature.a, feature.b);
   const auto& links = system_.links();
-  const Touch t = touch(model_, feature, links);
-  // The inertia that the point feels, closures included: a unit force gives the gap the rate 1/m.
-  const Vector6d wrench = wrench_at(t.p, t.n);
-  unit_.setZero();
-  const auto apply = [&](LinkIndex link, double sign) {
-    for (; link > 0; link = model_.links[static_cast<std::size_t>(link)].parent) {
-      const Link& l = model_.links[static_cast<std::size_t>(link)];
-      for (int j = 0; j < l.freedoms(); ++j)
-        unit_[l.u + j] += sign * links[static_cast<std::size_t>(link)].S.col(j).dot(wrench);
-    }
-  };
-  apply(b.link, 1), apply(a.link, -1);
-  system_.solve(unit_, zero_, response_, dlambda_);
-  const double compliance = unit_.dot(response_);
-  // Bodies that motions or loops hold have no inertia along the contact; any finite value serves.
-  const double mass = compliance > 0 ? 1 / compliance : 1e6 * law.stiffness;
-  const double depth = std::max(-t.gap, impact_depth(law, mass, rate));
+  const Touch t = touch(model_, feature, links, Derivatives::without);
+  const double depth = std::max(-t.gap, impact_depth(law, entry.mass, entry.rate));
   // Secant stiffness of the impact; a contact that begins at rest gets that of a depth of the tolerance.
   const double reached = std::max(depth, tolerance_);
   const double stiffness = law.hertz ? 1.5 * law.stiffness * std::sqrt(reached) : law.stiffness;
-  candidate.column = state.contacts.cols();
-  state.contacts.conservativeResize(Eigen::NoChange, candidate.column + 1);
+  candidate.column = index;
   ContactColumn column = ContactColumn::Zero();
   set_feature(feature, column);
-  column[ContactRow::mass] = mass;
-  column[ContactRow::entry_rate] = rate;
+  column[ContactRow::mass] = entry.mass;
+  column[ContactRow::entry_rate] = entry.rate;
   column[ContactRow::entry_time] = state.time;
-  column[ContactRow::period] = std::numbers::pi * std::sqrt(mass / stiffness);
+  column[ContactRow::period] = std::numbers::pi * std::sqrt(entry.mass / stiffness);
   // Without friction nothing is held along the surfaces, and no spring stores energy there.
   const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
   column[ContactRow::stiffness] = ratio * stiffness;
-  column[ContactRow::damping] = ratio * std::sqrt(stiffness * mass);
+  column[ContactRow::damping] = ratio * std::sqrt(stiffness * entry.mass);
   column.segment<3>(ContactRow::on_a) = in_link(links[static_cast<std::size_t>(a.link)], t.p);
   column.segment<3>(ContactRow::on_b) = in_link(links[static_cast<std::size_t>(b.link)], t.p);
-  state.contacts.col(candidate.column) = column;
+  state.contacts.col(index) = column;
   double& touch_step = state.touch_step[0];
-  const double part = column[ContactRow::period] / steps_per_contact;
+  const double part = column[ContactRow::period] / steps_per_contact * part_of_step(law);
   touch_step = touch_step > 0 ? std::min(touch_step, part) : part;
   ++counters_.contacts;
 }
@@ -319,9 +409,30 @@ void BodyContacts::enter(State& state, Candidate& candidate, double rate) {
 void BodyContacts::record(const State& state, std::vector<Exchange>& at) {
   at.resize(static_cast<std::size_t>(state.contacts.cols()));
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const ContactForce f = evaluate(model_, state.contacts.col(k), system_.links());
-    at[static_cast<std::size_t>(k)] = {f.force.dot(f.velocity), f.energy};
+    at[static_cast<std::size_t>(k)] =
+        exchange_of(evaluate(model_, state.contacts.col(k), system_.links(), Derivatives::without));
   }
+}
+
+BodyContacts::Exchange BodyContacts::exchange_of(const ContactForce& f) {
+  const double gap_rate = f.n.dot(f.velocity);
+  return {f.gap,    gap_rate, f.stretch, f.velocity - gap_rate * f.n, f.force.dot(f.velocity),
+          f.energy, f.slides};
+}
+
+// Work of a point on the links over a step, by Simpson's rule; in the middle of the step gap and stretch are
+// those of the cubics through both ends (energy_balance.hpp).
+double BodyContacts::work(const ContactColumn& column, const Exchange& begin, const Exchange& end,
+                          double h) const {
+  if (!(h > 0)) return 0;
+  const auto between = [&](const auto& x0, const auto& x1, const auto& v0, const auto& v1) {
+    using Value = std::decay_t<decltype(x0)>;
+    return std::pair{Value(0.5 * (x0 + x1) + h / 8 * (v0 - v1)),
+                     Value(1.5 / h * (x1 - x0) - 0.25 * (v0 + v1))};
+  };
+  const auto [gap, gap_rate] = between(begin.gap, end.gap, begin.gap_rate, end.gap_rate);
+  const auto [stretch, sliding] = between(begin.stretch, end.stretch, begin.sliding, end.sliding);
+  return h / 6 * (begin.power + 4 * power(model_, column, gap, gap_rate, stretch, sliding) + end.power);
 }
 
 // The end of a step of length h: contacts that have ended, and friction that slides.
@@ -335,20 +446,24 @@ void BodyContacts::accept(State& state, double h) {
     const Eigen::Index index = candidate.column;
     auto column = state.contacts.col(index);
     const ContactLaw law = model_.contact.law(candidate.feature.a, candidate.feature.b);
-    const ContactForce f = evaluate(model_, column, links);
+    const ContactForce f = evaluate(model_, column, links, Derivatives::without);
     const Exchange& begin = at_begin_[static_cast<std::size_t>(index)];
-    const double work = 0.5 * h * (begin.power + f.force.dot(f.velocity));
+    const double done = work(column, begin, at_end_[static_cast<std::size_t>(index)], h);
     counters_.largest_force = std::max(counters_.largest_force, f.normal);
     counters_.largest_depth = std::max(counters_.largest_depth, -f.gap);
     if (f.gap > 0) {
-      lost_ += begin.energy - work;
+      lost_ += begin.energy - done;
       candidate.column = -1;
       continue;
     }
     kept.push_back(index);
     const double period = column[ContactRow::period];
-    if (state.time - column[ContactRow::entry_time] <= lasting * period)
-      longest = std::min(longest, period / steps_per_contact);
+    const double since = state.time - column[ContactRow::entry_time];
+    if (since <= lasting * period)
+      longest =
+          std::min(longest, period / steps_per_contact * (since < sudden * period ? part_of_step(law) : 1));
+    else if (vibrates(column, at_end_[static_cast<std::size_t>(index)]))
+      longest = std::min(longest, period / steps_per_vibration);
 
     // The stretch that has the friction with which the step ended, without its damping.
     const double stiffness = column[ContactRow::stiffness];
@@ -371,7 +486,7 @@ void BodyContacts::accept(State& state, double h) {
       column.segment<3>(ContactRow::on_b) = link_b.R_WL.transpose() * (f.p + stretch - link_b.p_WL);
     }
     const double stored = normal_energy(law, -f.gap) + 0.5 * stiffness * stretch.squaredNorm();
-    lost_ += begin.energy - stored - work;
+    lost_ += begin.energy - stored - done;
   }
   keep(state, kept);
   if (any) ++counters_.steps;
@@ -379,6 +494,24 @@ void BodyContacts::accept(State& state, double h) {
   if (touch_step == 0 && longest == HUGE_VAL) return;
   touch_step = std::min(touch_step > 0 ? growth * touch_step : HUGE_VAL, longest);
   if (touch_step >= requested_) touch_step = 0;
+}
+
+// A load that jumps makes a body vibrate on its contacts. A step that does not resolve this has another
+// energy, and dampers at the points take another part of it.
+bool BodyContacts::vibrates(const ContactColumn& column, const Exchange& now) const {
+  if (!(now.gap < 0)) return false;
+  const bool held = column[ContactRow::stiffness] > 0 && !now.slides;
+  const double rate = now.gap_rate * now.gap_rate + (held ? now.sliding.squaredNorm() : 0);
+  return 0.5 * column[ContactRow::mass] * rate > least_vibration * energy_scale_;
+}
+
+// Longest step that resolves the vibrations at the end of a step [s].
+double BodyContacts::resolving_step(const State& state) const {
+  double longest = HUGE_VAL;
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
+    if (vibrates(state.contacts.col(k), at_end_[static_cast<std::size_t>(k)]))
+      longest = std::min(longest, state.contacts(ContactRow::period, k) / steps_per_vibration);
+  return longest;
 }
 
 double BodyContacts::longest_step(const State& state, double h) const {

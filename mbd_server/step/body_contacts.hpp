@@ -4,6 +4,7 @@
 //   the system; a step that would pass an end is repeated so that it ends there to 1 % of its length: a force
 //   that falls to zero within a step would give more impulse than it has;
 // - for some durations of an impact after its begin, steps are a part of that duration, and grow after it;
+//   they do so again where loads make a contact vibrate, and a longer step is repeated;
 // - after each step, friction that slides moves the ends of its spring (contact_force.hpp), so that the
 //   spring has the force with which the step ended.
 #pragma once
@@ -40,8 +41,11 @@ class BodyContacts {
 
   // Sets the contacts of a state at the start: shapes that overlap or touch there are in contact.
   void prepare(State& state);
-  // The requested step, up to which steps grow again after a contact [s].
-  void begin(double requested) { requested_ = requested; }
+  // The requested step, up to which steps grow again after a contact [s], and the energy that moves [J].
+  void begin(double requested, double energy_scale) {
+    requested_ = requested;
+    energy_scale_ = energy_scale;
+  }
   // Takes one step of at most h that passes no begin of a contact. Returns its length [s].
   double step(State& state, double h, const Stride& stride);
 
@@ -54,10 +58,15 @@ class BodyContacts {
   struct Gap {
     double value = 0, rate = 0;
   };
-  // What a point in contact does [W], [J].
+  // Motion of a point in contact, its power on the links and its energy [m], [m/s], [W], [J].
   struct Exchange {
+    double gap = 0, gap_rate = 0;
+    Vector3d stretch = Vector3d::Zero(), sliding = Vector3d::Zero();
     double power = 0, energy = 0;
+    bool slides = false;
   };
+  static Exchange exchange_of(const ContactForce& f);
+  double work(const ContactColumn& column, const Exchange& begin, const Exchange& end, double h) const;
 
   enum class Change {
     begins,   // a contact
@@ -93,13 +102,24 @@ class BodyContacts {
   std::optional<Passage> passed(double h) const;
   void expect_apart(const State& state, double share, ErrorCode code, const char* what,
                     const char* hint) const;
+  void go_back(State& state);
   double repeat(State& state, double h, const Stride& stride);
   double cut(State& state, double h, const Passage& first, const Stride& stride);
   bool enter_all(State& state);
-  void enter(State& state, Candidate& candidate, double rate);
+  // A candidate that comes into contact [m/s], [kg].
+  struct Entry {
+    std::size_t candidate;
+    double rate, mass = 0;
+  };
+  void find_machines();
+  int machine_of(int shape) const;
+  void find_masses();
+  void enter(State& state, const Entry& entry, Eigen::Index index);
   void accept(State& state, double h);
   void record(const State& state, std::vector<Exchange>& at);
   double longest_step(const State& state, double h) const;
+  bool vibrates(const ContactColumn& column, const Exchange& now) const;
+  double resolving_step(const State& state) const;
 
   const Model& model_;
   GeneralizedAlpha& method_;
@@ -108,7 +128,7 @@ class BodyContacts {
   Stiction& stiction_;
   StopContacts::Mark stops_before_;
   StictionCounters stiction_before_;
-  double requested_ = 0;
+  double requested_ = 0, energy_scale_ = 0;
   double tolerance_ = 0;  // of a gap [m]
   BodyContactCounters counters_;
   double lost_ = 0;  // [J]
@@ -117,9 +137,13 @@ class BodyContacts {
   std::vector<ContactFeature> features_;
   std::vector<Candidate> candidates_;
   std::vector<OfPair> by_pair_;
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> now_;               // entries that share a solution
+  std::vector<int> machine_of_link_;           // none: ground (links)
+  std::vector<bool> busy_;                     // (links)
   Gaps gaps_before_, gaps_;                    // (candidates)
-  std::vector<Exchange> at_begin_;             // (points in contact)
-  VectorXd unit_, response_, dlambda_, zero_;  // wrench of a unit force at a point, and its effect
+  std::vector<Exchange> at_begin_, at_end_;    // (points in contact)
+  VectorXd unit_, response_, dlambda_, zero_;  // wrenches of unit forces at points, and their effect
 };
 
 }  // namespace tandem::mbd

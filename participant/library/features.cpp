@@ -88,6 +88,7 @@ struct NameOfForce {
   }
   std::string operator()(const scene::Motor&) const { return "force:motor"; }
   std::string operator()(const scene::Cylinder&) const { return "force:cylinder"; }
+  std::string operator()(const scene::Tyre&) const { return "force:tyre"; }
 };
 
 struct NameOfShape {

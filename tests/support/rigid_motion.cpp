@@ -42,6 +42,11 @@ void change(scene::Rope& rope, const Change& c) {
   for (scene::RopePoint& at : rope.points) c.point(at.point);
   c.length(rope.length);
 }
+void change(scene::Tyre& tyre, const Change& c) {
+  c.point(tyre.road_point), c.direction(tyre.road_normal);
+  c.length(tyre.radius), c.length(tyre.relaxation_length), c.length(tyre.patch_length);
+  if (tyre.lateral_relaxation_length) c.length(*tyre.lateral_relaxation_length);
+}
 // These act on the coordinate of a joint.
 void change(scene::RotationalSpringDamper&, const Change&) {}
 void change(scene::Actuator&, const Change&) {}
@@ -354,6 +359,8 @@ Scene in_units(const Scene& given, double length, double mass) {
       scale_over(load->over, unit);
     } else if (auto* rope = std::get_if<scene::Rope>(&any)) {
       rope->axial_stiffness *= force, rope->damping /= length;
+    } else if (auto* tyre = std::get_if<scene::Tyre>(&any)) {
+      tyre->stiffness *= mass, tyre->damping *= mass;
     } else if (auto* motor = std::get_if<scene::Motor>(&any)) {
       in_units(*motor, torque);
     } else if (auto* cylinder = std::get_if<scene::Cylinder>(&any)) {

@@ -104,6 +104,8 @@ TEST(MassFromShapes, Dumbbell) {
   json scene =
       with_shapes({shape("big", ball, {{"density", 2000}}), shape("small", ball, {{"position", {3, 0, 0}}})});
   scene["mbd"]["bodies"][0]["orientation"] = {{"axis", {0, 0, 1}}, {"angle_deg", 90}};
+  scene["dem"]["sensors"] = {
+      {{"name", "content"}, {"body", "crate"}, {"position", {0, 0, 2}}, {"shape", cube}}};
   const auto [result, bodies, warnings] = shaped(scene);
   EXPECT_THAT(warnings, IsEmpty());
   const double m = 1000 * std::numbers::pi / 6, sphere = 0.4 * 0.25 * 3 * m;
@@ -118,6 +120,7 @@ TEST(MassFromShapes, Dumbbell) {
   EXPECT_NEAR(norm(bodies[0].mass.centre - Vec3d{1, 0, 0}), 0, 1e-14);
   EXPECT_EQ(result.dem->walls[0].pose.p_WB, (Vec3d{-1, 0, 0.1}));
   EXPECT_EQ(result.dem->walls[2].pose.p_WB, (Vec3d{0, 0, 0}));  // of another body
+  EXPECT_EQ(result.dem->sensors[0].pose.p_WB, (Vec3d{-1, 0, 2}));
 }
 
 TEST(MassFromShapes, MaterialsAndShapesWithoutMass) {
@@ -227,6 +230,8 @@ TEST(PlainText, IsWhatSolversKnow) {
   document["mbd"]["bodies"][0]["shapes"][1]["density"] = 0;
   document["mbd"]["bodies"][0]["shapes"][2]["density"] = 0;
   document["mbd"]["bodies"][0]["orientation"] = {{"euler_deg", {10, 20, 30}}, {"order", "xyz"}};
+  document["dem"]["sensors"] = {
+      {{"name", "content"}, {"body", "crate"}, {"position", {2, 0, 0}}, {"shape", cube}}};
   const Scene before = shaped(document).scene;
   const std::string text = plain_text(document.dump(), before, "scene.json");
   const Scene after = parse(text, "scene.json");
@@ -244,6 +249,7 @@ TEST(PlainText, IsWhatSolversKnow) {
     EXPECT_EQ(after.dem->walls[i].shape.index(), before.dem->walls[i].shape.index());
   }
   EXPECT_NEAR(norm(after.dem->walls[3].pose.p_WB), 0, 1e-15);
+  EXPECT_NEAR(norm(after.dem->sensors[0].pose.p_WB), 0, 1e-15);
   EXPECT_EQ(std::get<MeshShape>(after.dem->walls[4].shape).file, "facets of wall c");
   EXPECT_THAT(text, testing::Not(HasSubstr("shapes")));
   // A program that gets the scene as it stands in the file refuses it.

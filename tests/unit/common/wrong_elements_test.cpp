@@ -179,6 +179,31 @@ const WrongScene elements[] = {
      ELEMENT(
          R"({"name": "m", "type": "motor", "joint": "spin", "control": "speed", "gains": {"proportional": 1}, "brake": {"torque": 3, "breakaway": 2}, "target": {"type": "constant", "value": 1}})"),
      "mbd.forces[0].brake.breakaway: 2 is below the torque of the slipping brake, 3 (give that or more)"},
+    {"TyreWithoutRadius",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2})"),
+     "mbd.forces[0]: the key 'radius' is missing (add radius: of the wheel without a load [m])"},
+    {"TyreOnASlide",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "slide", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2})"),
+     "mbd.forces[0].joint: joint 'slide' is not revolute (name the joint about which the wheel turns; its "
+     "child is the wheel)"},
+    {"TyreThatLies",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_point": [0, 0, -0.3]})"),
+     "mbd.forces[0].joint: the axis [0, 0, 1] of joint 'spin' is along the normal of the road, [0, 0, 1] "
+     "(the "
+     "axle of a wheel that stands is across it)"},
+    {"TyreBelowTheRoad",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "road_point": [0.2, 0, 0]})"),
+     "mbd.forces[0].road_point: the centre of the wheel, the point of joint 'spin', is -0.2 m above the "
+     "road, "
+     "less than half of the radius of 0.3 m (give road_point and road_normal of a road below the wheel)"},
+    {"RoadWithoutUnitNormal",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [2, 0, 0], "road_point": [-0.3, 0, 0]})"),
+     "mbd.forces[0].road_normal: [2, 0, 0] has length 2, not 1 (the unit one is [1, 0, 0])"},
     {"DrumThatSlides",
      ELEMENT(
          R"({"name": "r", "type": "rope", "drum": "slide", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
@@ -197,7 +222,9 @@ const WrongScene elements[] = {
          R"({"name": "r", "type": "rope", "drum": "spin", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0, 0, 2]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
      "mbd.forces[0].points[0].point: the rope leaves the drum on its axis (give the point at which the "
      "rope leaves the surface: its distance from the axis is the radius)"},
-    {"RopeAcrossItsDrum", ELEMENT(R"({"name": "r", "type": "rope", "drum": "spin", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [1.2, 1, 0]}]})"),
+    {"RopeAcrossItsDrum",
+     ELEMENT(
+         R"({"name": "r", "type": "rope", "drum": "spin", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [1.2, 1, 0]}]})"),
      "mbd.forces[0].points[0].point: the rope leaves the drum at 45 degrees to its surface (give the point "
      "at which the rope touches the drum as a tangent, within 10 degrees)"},
     {"LocalPointOfNoBody",

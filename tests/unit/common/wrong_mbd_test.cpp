@@ -166,7 +166,7 @@ const WrongScene wrong_mbd[] = {
     {"UnknownForce", R"([{"op": "replace", "path": "/mbd/forces/0/type", "value": "spring"}])",
      "mbd.forces[0].type: the value is \"spring\" (known values: spring_damper, "
      "rotational_spring_damper, bushing, force, torque, actuator, rope, motor, "
-     "cylinder)"},
+     "cylinder, tyre)"},
     {"ForceOnUnknownJoint", R"([{"op": "replace", "path": "/mbd/forces/1/joint", "value": "hing"}])",
      "mbd.forces[1].joint: unknown name 'hing' (did you mean 'hinge'?)"},
     {"ForceWithoutJoints", R"([{"op": "replace", "path": "/mbd/joints", "value": []}])",

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "mbd_server/contact/contact_force.hpp"
+#include "mbd_server/forces/tyre.hpp"
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {
@@ -309,6 +310,40 @@ TEST(IterationMatrix, OfContactsIsTheDerivative) {
       EXPECT_TRUE(any) << t.what;
       d.expect_inverse(t.what, all_weights, d.state.q, d.x0);
     }
+}
+
+// A cambered wheel on an inclined road that rolls and slides, whose tread's states depend on q and u within a
+// step; with a tread that slides partly or as a whole, and while the wheel almost stands.
+TEST(IterationMatrix, OfTyresIsTheDerivative) {
+  for (const double friction : {.1, 3.}) {
+    scene::Scene scene = machines::empty();
+    const BodyId carrier = machines::add_body(scene, "carrier", 3, {.3, .2, .4}, {.2, .1, .6}),
+                 wheel = machines::add_body(scene, "wheel", 1, {.1, .2, .1}, {0, .2, .4});
+    scene::Joint& hub =
+        machines::add_joint(scene, "hub", scene::JointType::revolute, carrier, wheel, {0, .2, .4});
+    hub.axis = {0, .96, .28};
+    scene::Tyre tyre;
+    tyre.name = "tyre", tyre.joint = JointId{0};
+    tyre.radius = .5, tyre.stiffness = 300, tyre.damping = 4, tyre.friction = friction;
+    tyre.slip_stiffness = 6, tyre.cornering_stiffness = 4;
+    tyre.relaxation_length = .2, tyre.lateral_relaxation_length = .3;
+    tyre.rolling_resistance = .1, tyre.patch_length = .1;
+    tyre.road_normal = {.28, 0, .96};
+    scene.mbd->forces.push_back(tyre);
+    Differences d(scene);
+    const VectorXd q0 = d.state.q;
+    d.system.move(q0, d.any(d.model.freedoms, .05), d.state.q);
+    d.state.u = d.any(d.model.freedoms, 1.5);
+    d.state.udot = d.any(d.model.freedoms, 5);
+    for (const double weight : {0., .02}) {
+      d.state.z = d.any(2, .05);
+      d.state.z_known = d.state.z, d.state.z_weight = weight;
+      d.system.residual(d.state);
+      const TyreForce f = evaluate(d.model.tyres[0], d.state, d.system.links());
+      EXPECT_GT(f.force.z(), 0);
+      d.expect_inverse(weight > 0 ? "tyre within a step" : "tyre", all_weights, d.state.q, d.x0);
+    }
+  }
 }
 
 TEST(IterationMatrix, OfMachineElementsIsTheDerivative) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -485,54 +486,137 @@ TEST(Contact, ShapesThatOverlapOrPassThroughEachOtherEndTheRun) {
       << refusal(soft.scene, 10);
 }
 
-// A hundred bodies of mixed shapes fall into a box of planes.
-TEST(Contact, RandomDropsStayAboveTheFloor) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    const auto drop = [&](int windows) {
-      ContactScene s;
-      s.add_floor();
-      for (const Vec3d n : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, -1, 0}}) {
-        scene::Shape wall = s.scene.contact->ground[0];
-        wall.name += std::to_string(s.scene.contact->ground.size());
-        wall.geometry = scene::PlaneShape{-0.8 * n, n};
-        s.scene.contact->ground.push_back(wall);
-      }
-      std::mt19937_64 random(seed);
-      std::uniform_real_distribution<double> d(-0.05, 0.05);
-      for (int i = 0; i < 100; ++i) {
-        const Vec3d at{0.35 * (i % 4) - 0.52 + d(random), 0.35 * (i / 4 % 4) - 0.52 + d(random),
-                       0.25 + 0.35 * (i / 16)};
-        const std::string name = "body" + std::to_string(i);
-        BodyId body{};
-        if (i % 4 == 0) body = s.add_ball(name, 1, 0.1, at);
-        if (i % 4 == 1) body = s.add_box(name, 1, {0.2, 0.16, 0.12}, at);
-        if (i % 4 == 2) body = s.add(name, 1, {5e-3, 5e-3, 2e-3}, at, scene::CapsuleShape{.05, .15, {}});
-        if (i % 4 == 3)
-          body = s.add(
-              name, 1, {4e-3, 4e-3, 4e-3}, at,
-              scene::HullShape{{{-.1, -.1, -.08}, {.1, -.1, -.08}, {0, .12, -.08}, {0, 0, .14}}, {}, 1});
-        s.body(body).pose.q_WB = test::random_rotation(random);
-      }
-      s.material() = {"stuff", 1e5, 0, 0, 0.2, 0.4};
-      ContactRun run(s.scene, 5e-3);
-      run.advance(windows);
-      double lowest = 1, fastest = 0;
-      for (std::size_t b = 0; b < 100; ++b) {
-        lowest = std::min(lowest, run.position(b).z);
-        fastest = std::max(fastest, norm(run.velocity(b)));
-      }
-      std::printf(
-          "  seed %d after %g s: lowest centre at %.4f m, largest speed %.3f m/s, steps %s, energy above "
-          "start %.1e\n",
-          static_cast<int>(seed), windows * 5e-3, lowest, fastest, run.facts().at("mbd_steps").dump().c_str(),
-          (run.largest_energy - run.start_energy) / run.start_energy);
-      EXPECT_GT(lowest, 0.03);
-      EXPECT_LT(fastest, 10);
-      EXPECT_LE(run.largest_energy, run.start_energy * (1 + 1e-6));
-      return run.facts().at("mbd_state_hash").get<std::string>();
-    };
-    drop(60);
+// A ball that moves by a hundred times its size and that of the plate in a window meets the plate, at any
+// height, or the run says that the plate is too soft for it.
+TEST(Contact, AFastBallMeetsAThinPlate) {
+  const auto scene = [](double stiffness, double height) {
+    ContactScene s({0, 0, 0});
+    s.material() = {"stuff", stiffness, 0, 0, 1, 0};
+    s.add_box("plate", 1, {0.5, 0.5, 0.004}, {0, 0, 0});
+    const BodyId ball = s.add_ball("ball", 1e-3, 0.005, {0, 0, height});
+    s.body(ball).twist.v_WB = {0, 0, -100};
+    return s.scene;
+  };
+  for (const double height : {0.3, 0.7, 0.913, 1.31}) {
+    ContactRun run(scene(1e8, height), 1e-2);
+    run.advance(2);
+    expect_near("velocity of the ball after the impact [m/s]", run.velocity(1).z,
+                100 * (1 - 1e-3) / (1 + 1e-3), 0.2);
   }
+  EXPECT_NE(refusal(scene(1e4, 0.7), 2).find("pass through each other"), std::string::npos);
+}
+
+// The long runs of these tests.
+bool soak() {
+  return std::getenv("TANDEM_SOAK") != nullptr;
+}
+
+// A hundred bodies of mixed shapes fall into a box of planes and come to rest: none leaves it, none gains
+// energy.
+struct Drop {
+  double lowest = 1, fastest = 0, farthest = 0;
+  std::string hash;
+};
+Drop drop(std::uint64_t seed, int windows) {
+  ContactScene s;
+  s.add_floor();
+  for (const Vec3d n : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, -1, 0}}) {
+    scene::Shape wall = s.scene.contact->ground[0];
+    wall.name += std::to_string(s.scene.contact->ground.size());
+    wall.geometry = scene::PlaneShape{-0.8 * n, n};
+    s.scene.contact->ground.push_back(wall);
+  }
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> d(-0.05, 0.05);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3d at{0.35 * (i % 4) - 0.52 + d(random), 0.35 * (i / 4 % 4) - 0.52 + d(random),
+                   0.25 + 0.35 * (i / 16)};
+    const std::string name = "body" + std::to_string(i);
+    BodyId body{};
+    if (i % 4 == 0) body = s.add_ball(name, 1, 0.1, at);
+    if (i % 4 == 1) body = s.add_box(name, 1, {0.2, 0.16, 0.12}, at);
+    if (i % 4 == 2) body = s.add(name, 1, {5e-3, 5e-3, 2e-3}, at, scene::CapsuleShape{.05, .15, {}});
+    if (i % 4 == 3)
+      body = s.add(name, 1, {4e-3, 4e-3, 4e-3}, at,
+                   scene::HullShape{{{-.1, -.1, -.08}, {.1, -.1, -.08}, {0, .12, -.08}, {0, 0, .14}}, {}, 1});
+    s.body(body).pose.q_WB = test::random_rotation(random);
+  }
+  s.material() = {"stuff", 1e5, 0, 0, 0.2, 0.4};
+  ContactRun run(s.scene, 5e-3);
+  run.advance(windows);
+  Drop result;
+  for (std::size_t b = 0; b < 100; ++b) {
+    const Vec3d p = run.position(b);
+    result.lowest = std::min(result.lowest, p.z);
+    result.farthest = std::max({result.farthest, std::abs(p.x), std::abs(p.y)});
+    result.fastest = std::max(result.fastest, norm(run.velocity(b)));
+  }
+  result.hash = run.facts().at("mbd_state_hash").get<std::string>();
+  std::printf(
+      "  seed %d after %g s: lowest centre %.4f m, farthest %.4f m, largest speed %.2e m/s, steps %s, energy "
+      "above start %.1e, balance %.1e\n",
+      static_cast<int>(seed), windows * 5e-3, result.lowest, result.farthest, result.fastest,
+      run.facts().at("mbd_steps").dump().c_str(), (run.largest_energy - run.start_energy) / run.start_energy,
+      run.facts().at("mbd_largest_energy_balance_J").get<double>() /
+          run.facts().at("mbd_energy_scale_J").get<double>());
+  std::fflush(stdout);
+  EXPECT_GT(result.lowest, 0.03);
+  EXPECT_LT(result.farthest, 0.77);
+  EXPECT_LE(run.largest_energy, run.start_energy * (1 + 1e-6));
+  return result;
+}
+
+TEST(Contact, RandomDropsStayInTheirBox) {
+  for (const std::uint64_t seed : {1, 2, 3}) EXPECT_LT(drop(seed, 60).fastest, 10);
+  EXPECT_EQ(drop(1, 40).hash, drop(1, 40).hash);
+}
+
+TEST(ContactSoak, RandomDropsComeToRest) {
+  if (!soak()) GTEST_SKIP() << "TANDEM_SOAK is not set";
+  const char* seeds = std::getenv("TANDEM_SEEDS");
+  const std::uint64_t count = seeds ? std::strtoull(seeds, nullptr, 10) : 50;
+  for (std::uint64_t seed = 1; seed <= count; ++seed) {
+    const Drop once = drop(seed, 12000);
+    EXPECT_LT(once.fastest, 0.5);
+    EXPECT_EQ(drop(seed, 12000).hash, once.hash);
+  }
+}
+
+// Stacks of ten boxes, each as deep in the one below as its load presses it.
+void stay_at_rest(int stacks, int windows) {
+  constexpr double k = 1e6, side = 0.2, height = 0.1;
+  constexpr int high = 10;
+  ContactScene s;
+  s.add_floor();
+  s.material() = {"stuff", k, 0, 0, 0.2, 0.4};
+  for (int i = 0; i < stacks; ++i) {
+    double z = 0;
+    for (int j = 0; j < high; ++j) {
+      z += height - g * (high - j) / (4 * k);
+      s.add_box("box" + std::to_string(i) + "_" + std::to_string(j), 1, {side, side, height},
+                {2 * side * (i % 10), 2 * side * (i / 10), z - height / 2});
+    }
+  }
+  ContactRun run(s.scene, 1e-2);
+  std::vector<Vec3d> begin;
+  const auto count = static_cast<std::size_t>(stacks * high);
+  for (std::size_t b = 0; b < count; ++b) begin.push_back(s.scene.mbd->bodies[b].pose.p_WB);
+  run.advance(windows);
+  const auto& bodies = run.solver.observe().bodies;
+  double farthest = 0;
+  for (std::size_t b = 0; b < count; ++b) farthest = std::max(farthest, norm(bodies[b].pose.p_WB - begin[b]));
+  expect_near(
+      "displacement of " + std::to_string(count) + " boxes in " + std::to_string(windows / 100.) + " s [m]",
+      farthest, 0, 1e-7);
+}
+
+TEST(Contact, TwoHundredBoxesStayAtRest) {
+  stay_at_rest(20, 20);
+}
+
+TEST(ContactSoak, AThousandBoxesStayAtRest) {
+  if (!soak()) GTEST_SKIP() << "TANDEM_SOAK is not set";
+  stay_at_rest(100, 6000);
 }
 
 // A tumbling box, a hull, a capsule and a ball on the floor, in other frames.
@@ -589,6 +673,23 @@ TEST(Contact, BoxComesToRest) {
   expect_near("displacement in the next 10 s [m]", norm(run.position() - rest), 0, 1e-9);
   expect_near("height", run.position().z, 0.05 - 9.81 / 4e5, 1e-7);
   std::printf("  %s\n", run.facts().at("mbd_steps").dump().c_str());
+}
+
+// What points dissipate is integrated as accurately as the motion.
+TEST(Contact, TheEnergyOfAnImpactCloses) {
+  for (const double e : {1.0, 0.5, 0.1, 0.01}) {
+    ContactScene s;
+    s.add_floor();
+    s.add_ball("ball", 1, 0.05, {0, 0, 0.55});
+    s.material() = {"stuff", 1e6, 0, 0, e, 0.5};
+    ContactRun run(s.scene, 1e-3);
+    run.advance(500);
+    const nlohmann::json facts = run.facts();
+    expect_near(
+        "residual of the balance over the energy that moves",
+        facts.at("mbd_largest_energy_balance_J").get<double>() / facts.at("mbd_energy_scale_J").get<double>(),
+        0, 6e-3);
+  }
 }
 
 // The same motion after a rollback and from run to run.

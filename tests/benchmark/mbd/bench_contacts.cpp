@@ -1,0 +1,118 @@
+// Processor time of contacts between bodies over their number:
+//
+//   bench_contacts TOPOLOGY BODIES STEPS
+//
+// TOPOLOGY is pairs (two boxes on each other, many such pairs beside each other on a floor), wall (boxes in
+// bond, as high as wide) or pile (boxes in bond in both directions, as high as wide). They settle, and are
+// then measured over STEPS windows of 1 ms. Prints a row: topology, bodies, points in contact, steps,
+// us per step, us per step and point, Newton iterations per step.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/cpu_time.hpp"
+#include "common/log.hpp"
+#include "mbd_server/coupling/mbd_solver.hpp"
+#include "tests/verification/mbd/machines.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+constexpr double side = 0.2, height = 0.1, gap = 0.01;
+
+struct Bricks {
+  scene::Scene scene = machines::empty({0, 0, -9.81});
+  int count = 0;
+
+  Bricks() {
+    scene.contact.emplace();
+    scene.contact->materials.push_back({"stone", 1e6, 0, 0, 0.2, 0.5});
+    scene::Shape floor;
+    floor.name = "floor";
+    floor.use = scene::ShapeUse::contact;
+    floor.contact_material = 0;
+    floor.geometry = scene::PlaneShape{{0, 0, 0}, {0, 0, 1}};
+    scene.contact->ground.push_back(floor);
+  }
+  void add(Vec3d at, Vec3d size) {
+    const auto J = [&](double a, double b) { return (a * a + b * b) / 12; };
+    scene::Shape shape;
+    shape.name = "brick" + std::to_string(count++);
+    shape.body = machines::add_body(scene, shape.name, 1,
+                                    {J(size.y, size.z), J(size.x, size.z), J(size.x, size.y)}, at);
+    shape.use = scene::ShapeUse::contact;
+    shape.is_of_body = true;
+    shape.contact_material = 0;
+    shape.geometry = scene::BoxShape{size, {}};
+    scene.shapes.push_back(shape);
+  }
+};
+
+scene::Scene made(const std::string& topology, int bodies) {
+  Bricks b;
+  const double pitch = side + gap;
+  const Vec3d size{side, side, height};
+  const auto layer = [](int i) { return height * (i + 0.5); };
+  if (topology == "pairs") {
+    const int wide = static_cast<int>(std::ceil(std::sqrt(bodies / 2)));
+    for (int i = 0; i < bodies; ++i)
+      b.add({2 * pitch * (i / 2 % wide), 2 * pitch * (i / 2 / wide), layer(i % 2)}, size);
+  } else if (topology == "wall") {
+    const int wide = static_cast<int>(std::ceil(std::sqrt(bodies)));
+    for (int i = 0; i < bodies; ++i)
+      b.add({pitch * (i % wide + 0.5 * (i / wide % 2)), 0, layer(i / wide)}, size);
+  } else {
+    const int wide = static_cast<int>(std::ceil(std::cbrt(bodies)));
+    for (int i = 0; i < bodies; ++i) {
+      const int k = i / (wide * wide);
+      b.add({pitch * (i % wide + 0.5 * (k % 2)), pitch * (i / wide % wide + 0.5 * (k % 2)), layer(k)}, size);
+    }
+  }
+  b.scene.coupling.window = 1e-3;
+  return b.scene;
+}
+
+}  // namespace
+}  // namespace tandem::mbd
+
+int main(int count, char** arguments) {
+  using namespace tandem;
+  if (count != 4) return 2;
+  log::setup("bench_contacts", "error");
+  const std::string topology = arguments[1];
+  const int bodies = std::atoi(arguments[2]), steps = std::atoi(arguments[3]);
+  mbd::MbdSolver solver;
+  solver.configure(mbd::made(topology, bodies));
+  const double settle = bodies > 300 ? 0.1 : 0.3;
+  std::uint64_t done = 0;
+  const auto advance = [&](int windows) {
+    protocol::LoadSet loads;
+    for (int i = 0; i < windows; ++i, ++done) {
+      loads.window = {
+          done, {static_cast<std::int64_t>(done) * 1000000}, {static_cast<std::int64_t>(done + 1) * 1000000}};
+      solver.advance(loads);
+    }
+  };
+  advance(static_cast<int>(settle / 1e-3));
+  const auto facts = [&] { return nlohmann::json::parse(solver.report().facts); };
+  const auto before = facts();
+  std::vector<double> times;
+  for (int i = 0; i < steps; ++i) {
+    const double begin = cpu_seconds(CpuClock::thread);
+    advance(1);
+    times.push_back(cpu_seconds(CpuClock::thread) - begin);
+  }
+  const auto after = facts();
+  std::nth_element(times.begin(), times.begin() + steps / 2, times.end());
+  const double taken = after["mbd_steps"].get<double>() - before["mbd_steps"].get<double>();
+  const auto points = static_cast<double>(solver.state().contacts.cols());
+  const double us = 1e6 * times[static_cast<std::size_t>(steps / 2)] * steps / taken;
+  std::printf(
+      "%s,%d,%.0f,%.1f,%.1f,%.3f,%.2f\n", topology.c_str(), bodies, points, taken, us, us / points,
+      (after["mbd_newton_iterations"].get<double>() - before["mbd_newton_iterations"].get<double>()) / taken);
+}
