@@ -44,7 +44,7 @@ class Checkpoints {
 std::filesystem::path find_checkpoint(const std::filesystem::path& path);
 
 // Restores a configured run from a checkpoint. Throws Error{scene} where it belongs to another scene:
-// everything except end_time, output, checks and texts must be equal.
+// everything except end_time, checks, texts, and output without wall_fields and dissipation must be equal.
 void resume(const std::filesystem::path& checkpoint, const SceneFile& file, const Solvers& solvers,
             Coupler& coupler, Results& results);
 

@@ -55,10 +55,10 @@ struct Solid {
   }
 };
 
-class Finder {
+class FeatureFinder {
  public:
-  Finder(const Solid& a, const Solid& b, double reach, std::int64_t preferred,
-         std::vector<ContactFeature>& out)
+  FeatureFinder(const Solid& a, const Solid& b, double reach, std::int64_t preferred,
+                std::vector<ContactFeature>& out)
       : a_(a), b_(b), reach_(reach), preferred_(preferred), out_(out) {}
 
   // The corners of `a`, its ends or its centre on the plane b.
@@ -329,7 +329,7 @@ class Finder {
 void find_features(const Model& model, int one, int two, const std::vector<LinkMotion>& links, double reach,
                    std::int64_t preferred, std::vector<ContactFeature>& features) {
   const Solid a(model, one, links), b(model, two, links);
-  Finder finder(a, b, reach, preferred, features);
+  FeatureFinder finder(a, b, reach, preferred, features);
   const Kind ka = a.shape.kind, kb = b.shape.kind;
   const auto ball_on = [&](const Solid& ball, const Solid& other) {
     if (other.shape.kind == Kind::hull)

@@ -2,7 +2,7 @@
 # Installs the build, moves the folder, and uses it there: check_install.sh CMAKE BUILD SCENE DOCS_CHECK
 set -euo pipefail
 cmake=$1 build=$2 scene=$3 docs_check=$4
-most_mib=72
+most_mib=76
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
