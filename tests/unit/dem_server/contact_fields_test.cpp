@@ -97,7 +97,7 @@ TEST_P(ContactFields, OfABedAtRestBearItsWeight) {
     }
   });
   // Under a sanitizer the spheres still move a little.
-  for (int w = 0; w < (sanitized ? 15 : 60); ++w) run.advance(1000, frame_dt);
+  for (int w = 0; w < (sanitized ? 35 : 60); ++w) run.advance(1000, frame_dt);
   const dem::WindowOutcome& last = run.advance(1, frame_dt);
   const double on_x = last.load[1].force.x, on_y = last.load[2].force.y;
   const dem::ContactsFrame frame = contacts_of(run);

@@ -417,7 +417,8 @@ TEST(Configure, TheLogSaysWhenTheGenericVariantRunsForWantOfAnother) {
     std::ifstream in(file);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
-  const auto said = HasSubstr("no special variant for this law, precision and domain: the generic one runs");
+  const auto said =
+      HasSubstr("no special variant for this law, precision, domain and outputs: the generic one runs");
   EXPECT_THAT(log_of(R"("precision": "double",)"), AllOf(said, HasSubstr("variant generic_double")));
   EXPECT_THAT(log_of(""), AllOf(Not(said), HasSubstr("variant hertz_mindlin")));
   EXPECT_THAT(log_of(R"("variant": "generic",)"), AllOf(Not(said), HasSubstr("variant generic")))
