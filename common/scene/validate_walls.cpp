@@ -264,13 +264,22 @@ void validate_dissipation(const Scene& scene, const std::string& origin) {
          "leave it out, or choose hertz_mindlin, hertz_frictionless or hooke");
 }
 
+namespace {
+
+// For what frames have of the spheres; `what` says what it is: "are loads of spheres".
+void require_spheres_in_frames(const Scene& scene, const std::string& origin, const std::string& path,
+                               const std::string& what) {
+  if (!scene.dem) fail(origin, path, what + ", and the scene has none", "leave it out");
+  if (!scene.output.particles)
+    fail(origin, path, "come with the spheres in frames, and frames of this scene have none",
+         "leave it out, or write \"particles\": true");
+}
+
+}  // namespace
+
 void validate_body_contacts(const Scene& scene, const std::string& origin) {
   if (scene.output.contacts.empty()) return;
-  if (!scene.dem || !scene.output.particles)
-    fail(origin, "output.contacts",
-         scene.dem ? "come with the spheres in frames, and frames of this scene have none"
-                   : "are contacts with spheres, and the scene has none",
-         scene.dem ? "leave it out, or write \"particles\": true" : "leave it out");
+  require_spheres_in_frames(scene, origin, "output.contacts", "are contacts with spheres");
   for (std::size_t i = 0; i < scene.output.contacts.size(); ++i) {
     const BodyId body = scene.output.contacts[i];
     const auto is_on_it = [&](const Wall& wall) { return wall.body == body; };
@@ -285,11 +294,7 @@ void validate_body_contacts(const Scene& scene, const std::string& origin) {
 // picture is not known.
 void validate_wall_fields(const Scene& scene, const std::string& origin) {
   if (scene.output.wall_fields.empty()) return;
-  if (!scene.dem || !scene.output.particles)
-    fail(origin, "output.wall_fields",
-         scene.dem ? "come with the spheres in frames, and frames of this scene have none"
-                   : "are loads of spheres, and the scene has none",
-         scene.dem ? "leave it out, or write \"particles\": true" : "leave it out");
+  require_spheres_in_frames(scene, origin, "output.wall_fields", "are loads of spheres");
   const Dem& dem = *scene.dem;
   for (std::size_t i = 0; i < scene.output.wall_fields.size(); ++i) {
     const std::string path = element("output.wall_fields", i);

@@ -34,7 +34,7 @@ std::vector<double> placed(const std::vector<Vec3d>& points, const Pose& pose) {
 }  // namespace
 
 BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh> bodies)
-    : folder_(folder), xdmf_(folder / "bodies.xdmf"), bodies_(std::move(bodies)) {
+    : folder_(folder), bodies_(std::move(bodies)) {
   Hdf5File file = Hdf5File::create(folder / surfaces_file);
   for (const BodyMesh& body : bodies_) {
     const std::string group = "/" + body.name;
@@ -54,12 +54,12 @@ BodySeries::BodySeries(const std::filesystem::path& folder, std::vector<BodyMesh
     grids_.push_back(std::move(grid));
   }
   file.commit();
-  write_index();
+  index_.emplace(folder, "bodies", FixedLink{"bodies", surfaces_file});
 }
 
 void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame,
                         const std::vector<std::vector<CellColumn>>& columns) {
-  const std::string name = frame_file("bodies", frames_);
+  const std::string name = index_->next_file();
   Hdf5File file = Hdf5File::create(folder_ / name);
   for (std::size_t i = 0; i < columns.size(); ++i) {
     grids_[i].attributes.resize(1);  // without those of the frame before
@@ -81,21 +81,7 @@ void BodySeries::append(Nanoseconds time, const protocol::BodiesFrame* frame,
   }
   file.set_attribute("/", "time", to_seconds(time));
   file.commit();
-  ++frames_;
-  xdmf_.append(to_seconds(time), grids_);
-  if (pace_.due()) write_index();
-}
-
-void BodySeries::finish() {
-  if (in_index_ != frames_) write_index();
-}
-
-void BodySeries::write_index() {
-  pace_.run([this] {
-    write_frame_index(folder_, "bodies", frames_, {"bodies", surfaces_file});
-    xdmf_.write();
-  });
-  in_index_ = frames_;
+  index_->append(to_seconds(time), grids_);
 }
 
 }  // namespace tandem::launch

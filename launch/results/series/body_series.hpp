@@ -7,11 +7,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "launch/results/body_meshes.hpp"
 #include "launch/results/series/frame_file.hpp"
-#include "launch/results/series/xdmf.hpp"
 #include "launch/results/wall_fields.hpp"
 #include "protocol/messages.hpp"
 
@@ -25,18 +25,13 @@ class BodySeries {
   // empty.
   void append(Nanoseconds time, const protocol::BodiesFrame* frame,
               const std::vector<std::vector<CellColumn>>& columns = {});
-  // After this, bodies.h5 and bodies.xdmf list all frames; before, most of them.
-  void finish();
+  void finish() { index_->finish(); }
 
  private:
-  void write_index();
-
   std::filesystem::path folder_;
-  XdmfSeries xdmf_;
-  Pace pace_;
   std::vector<BodyMesh> bodies_;
-  std::vector<XdmfGrid> grids_;  // one per body; `points` of moving bodies change with each frame
-  int frames_ = 0, in_index_ = -1;
+  std::vector<XdmfGrid> grids_;      // one per body; `points` of moving bodies change with each frame
+  std::optional<FrameIndex> index_;  // once the file of the surfaces is there
 };
 
 }  // namespace tandem::launch

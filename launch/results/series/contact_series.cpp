@@ -7,9 +7,7 @@
 namespace tandem::launch {
 
 ContactSeries::ContactSeries(const std::filesystem::path& folder)
-    : folder_(folder), xdmf_(folder / "contacts.xdmf") {
-  write_index();
-}
+    : folder_(folder), index_(folder, "contacts") {}
 
 void ContactSeries::append(const protocol::ParticlesFrame& frame) {
   constexpr std::size_t stride = protocol::ParticlesFrame::of_bodies_values;
@@ -25,7 +23,7 @@ void ContactSeries::append(const protocol::ParticlesFrame& frame) {
     force.insert(force.end(), contact + 5, contact + 8);
   }
   std::iota(points.begin(), points.end(), 0u);
-  const std::string name = frame_file("contacts", frames_);
+  const std::string name = index_.next_file();
   Hdf5File file = Hdf5File::create(folder_ / name);
   const auto write = [&]<class T>(const char* dataset, const std::vector<T>& values,
                                   std::size_t columns = 1) {
@@ -40,21 +38,7 @@ void ContactSeries::append(const protocol::ParticlesFrame& frame) {
   const double time = to_seconds(frame.time);
   file.set_attribute("/", "time", time);
   file.commit();
-  ++frames_;
-  xdmf_.append(time, {grid});
-  if (pace_.due()) write_index();
-}
-
-void ContactSeries::finish() {
-  if (in_index_ != frames_) write_index();
-}
-
-void ContactSeries::write_index() {
-  pace_.run([this] {
-    write_frame_index(folder_, "contacts", frames_);
-    xdmf_.write();
-  });
-  in_index_ = frames_;
+  index_.append(time, {grid});
 }
 
 }  // namespace tandem::launch

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "launch/results/series/frame_file.hpp"
-#include "launch/results/series/xdmf.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::launch {
@@ -17,16 +16,11 @@ class ContactSeries {
   // `folder` contains the folder for frames.
   explicit ContactSeries(const std::filesystem::path& folder);
   void append(const protocol::ParticlesFrame& frame);
-  // After this, contacts.h5 and contacts.xdmf list all frames; before, most of them.
-  void finish();
+  void finish() { index_.finish(); }
 
  private:
-  void write_index();
-
   std::filesystem::path folder_;
-  XdmfSeries xdmf_;
-  Pace pace_;
-  int frames_ = 0, in_index_ = -1;
+  FrameIndex index_;
 };
 
 }  // namespace tandem::launch

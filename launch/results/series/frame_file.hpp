@@ -6,8 +6,10 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "launch/results/series/hdf5.hpp"
+#include "launch/results/series/xdmf.hpp"
 
 namespace tandem::launch {
 
@@ -40,8 +42,26 @@ class Pace {
 struct FixedLink {
   std::string name{}, file{};  // name empty: none; the file is relative to the run's folder
 };
-// Writes NAME.h5 with links to the frames 0 to `frames` - 1.
-void write_frame_index(const std::filesystem::path& folder, const std::string& series, int frames,
-                       const FixedLink& more = {});
+// NAME.h5, with a link to each frame, and NAME.xdmf.
+class FrameIndex {
+ public:
+  FrameIndex(const std::filesystem::path& folder, const std::string& series, FixedLink more = {});
+  // The file of the next frame, relative to the run's folder.
+  std::string next_file() const { return frame_file(series_, frames_); }
+  // After its file is complete.
+  void append(double time, const std::vector<XdmfGrid>& grids);
+  // After this, both files list all frames; before, most of them.
+  void finish();
+
+ private:
+  void write();
+
+  std::filesystem::path folder_;
+  std::string series_;
+  FixedLink more_;
+  XdmfSeries xdmf_;
+  Pace pace_;
+  int frames_ = 0, in_index_ = -1;
+};
 
 }  // namespace tandem::launch

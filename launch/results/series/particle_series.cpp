@@ -6,16 +6,14 @@
 namespace tandem::launch {
 
 ParticleSeries::ParticleSeries(const std::filesystem::path& folder)
-    : folder_(folder), xdmf_(folder / "particles.xdmf") {
-  write_index();
-}
+    : folder_(folder), index_(folder, "particles") {}
 
 void ParticleSeries::append(const protocol::ParticlesFrame& frame, const std::vector<Column>& columns) {
   std::vector<float> speed(frame.id.size());
   for (std::size_t i = 0; i < speed.size(); ++i) {
     speed[i] = std::hypot(frame.velocity[3 * i], frame.velocity[3 * i + 1], frame.velocity[3 * i + 2]);
   }
-  const std::string name = frame_file("particles", frames_);
+  const std::string name = index_.next_file();
   Hdf5File file = Hdf5File::create(folder_ / name);
   const auto write = [&]<class T>(const char* dataset, const std::vector<T>& values,
                                   std::size_t per_sphere = 1, Storage storage = Storage::plain) {
@@ -50,21 +48,7 @@ void ParticleSeries::append(const protocol::ParticlesFrame& frame, const std::ve
   const double time = to_seconds(frame.time);
   file.set_attribute("/", "time", time);
   file.commit();
-  ++frames_;
-  xdmf_.append(time, {grid});
-  if (pace_.due()) write_index();
-}
-
-void ParticleSeries::finish() {
-  if (in_index_ != frames_) write_index();
-}
-
-void ParticleSeries::write_index() {
-  pace_.run([this] {
-    write_frame_index(folder_, "particles", frames_);
-    xdmf_.write();
-  });
-  in_index_ = frames_;
+  index_.append(time, {grid});
 }
 
 }  // namespace tandem::launch

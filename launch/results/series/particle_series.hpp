@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "launch/results/series/frame_file.hpp"
-#include "launch/results/series/xdmf.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::launch {
@@ -25,17 +24,12 @@ class ParticleSeries {
     std::variant<std::vector<std::uint32_t>, std::vector<float>> values;
   };
   void append(const protocol::ParticlesFrame& frame, const std::vector<Column>& columns = {});
-  // After this, particles.h5 and particles.xdmf list all frames; before, most of them.
-  void finish();
+  void finish() { index_.finish(); }
 
  private:
-  void write_index();
-
   std::filesystem::path folder_;
-  XdmfSeries xdmf_;
-  Pace pace_;
+  FrameIndex index_;
   DatasetInfo points_;  // 0 .. n - 1, the point list that XDMF needs
-  int frames_ = 0, in_index_ = -1;
 };
 
 }  // namespace tandem::launch
