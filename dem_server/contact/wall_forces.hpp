@@ -162,18 +162,20 @@ struct WallForces {
     add_shared(view.belts.pull + place_of(m), to_fixed(-along, view.parameters.force));
   }
 
-  // Sliding is the part of the displacement that the spring does not keep. Walls wear where they are pressed.
+  // Sliding is the part of the displacement that the spring does not keep. What presses the surfaces on each
+  // other is the elastic force, as in Coulomb's law; the damping force acts inside the spheres.
   TANDEM_HD void add_to_sums(const WallContact& wall, const Contact<Real>& c, const ContactForce<Real>& f,
                              Vec3d on_sphere, Vec3<Real> spring_before, Vec3<Real> spring, Real wear) const {
     const Vec3<Real> slid =
         rotate_spring(spring_before, c, f.previous_stiffness2, f.current_stiffness2) + c.dt * c.slip - spring;
-    const double normal = static_cast<double>(f.normal);
+    const auto path = static_cast<double>(norm(slid));
     WallContribution add;
     add.force = -on_sphere;
-    add.normal = normal;
+    add.normal = static_cast<double>(f.normal);
     add.shear = static_cast<double>(norm(f.tangential));
-    add.friction_work = -static_cast<double>(dot(f.tangential, slid));
-    if (normal > 0) add.wear = static_cast<double>(wear) * normal * static_cast<double>(norm(slid));
+    add.friction_work = add.shear * path;
+    if (f.elastic_force > 0)
+      add.wear = static_cast<double>(wear) * static_cast<double>(f.elastic_force) * path;
     add_to_walls(view.wall_sums, wall.facet, add);
   }
 

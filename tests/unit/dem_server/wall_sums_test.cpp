@@ -176,5 +176,28 @@ TEST(WallFields, WearAsArchardsLawSaysOfSpheresThatSlideUntilTheyRoll) {
   EXPECT_NEAR(all[dem::wall_normal], force * 4000 * wall_dt, 1e-3 * force * 4000 * wall_dt);
 }
 
+// While a contact slides, its tangential force is mu times the elastic one: wear and work are in one ratio,
+// whatever the restitution, and neither falls.
+TEST(WallFields, WearAndWorkOfImpactsAreInOneRatio) {
+  constexpr double friction = 0.4, k = 1e-3;
+  ParticleRun run(box_scene(friction, 4).dump(), dem::Backend::cpu, 1, [](dem::Spheres& s) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      s.position[i] = {0.08, 0.08 + 0.03 * static_cast<double>(i), s.radius[i] + 1e-4};
+      s.velocity[i] = {0.5 + 0.5 * static_cast<double>(i), 0, -0.5};
+    }
+  });
+  double wear = 0, work = 0;
+  for (int w = 0; w < 40; ++w) {
+    run.advance(25, wall_dt);
+    const Sums all = total(run.engine->wall_fields());
+    EXPECT_GE(all[dem::wall_wear], wear);
+    EXPECT_GE(all[dem::wall_friction_work], work);
+    wear = all[dem::wall_wear], work = all[dem::wall_friction_work];
+  }
+  std::printf("wear over work: expected %.6g, measured %.6g\n", k / friction, wear / work);
+  ASSERT_GT(work, 0);
+  EXPECT_NEAR(wear / work, k / friction, 0.01 * k / friction);
+}
+
 }  // namespace
 }  // namespace tandem::test
