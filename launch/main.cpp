@@ -201,6 +201,9 @@ struct Start {
   double patience = 60;  // [s]
   bool files_only = false;
 
+  SceneFile read(const std::string& path) const {
+    return read_scene(path, {}, SettleOn{.backend = options.backend, .settles = !files_only});
+  }
   std::optional<DryRun> run(const SceneFile& file) {
     if (files_only) return {};
     options.patience = bounded_seconds(patience, least_patience, most_patience, "--patience");
@@ -233,7 +236,7 @@ void add_validate(CLI::App& app, int& status) {
     for (const std::string& path : *scenes) {
       std::string said;  // description of the scene, also of one that is refused
       try {
-        const SceneFile file = read_scene(path, {}, SettleOn{.backend = start->options.backend});
+        const SceneFile file = start->read(path);
         said = remarks(file, nullptr, "  ");
         const std::optional<DryRun> started = start->run(file);
         said = remarks(file, started ? &*started : nullptr, "  ");
@@ -255,7 +258,7 @@ void add_describe(CLI::App& app) {
   verb->add_option("scene", *scene, "Scene file")->required();
   const auto start = add_start(*verb);
   verb->callback([=] {
-    const SceneFile file = read_scene(*scene, {}, SettleOn{.backend = start->options.backend});
+    const SceneFile file = start->read(*scene);
     std::optional<DryRun> started;
     try {
       started = start->run(file);

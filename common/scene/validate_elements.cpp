@@ -140,6 +140,11 @@ void validate_force(const Tyre& tyre, const Mbd& mbd, double, const std::string&
          "the centre of the wheel, the point of joint '" + joint.name + "', is " + rounded(height) +
              " m above the road, less than half of the radius of " + text(tyre.radius) + " m",
          "give road_point and road_normal of a road below the wheel");
+  if (tyre.patch_length > 2 * tyre.radius)
+    fail(origin, path + ".patch_length",
+         "the tyre touches the road along " + rounded(tyre.patch_length) +
+             " m, more than the diameter of the wheel, " + rounded(2 * tyre.radius) + " m",
+         "give the length of the patch, a part of the radius");
   if (mbd.start == Start::equilibrium)
     fail(origin, path, "the search for the equilibrium knows no tyres",
          "leave out mbd.start, and let the vehicle come to rest in a run");

@@ -174,7 +174,7 @@ void place_fills(const std::filesystem::path& folder, SceneFile& file, const Set
   if (!settles && std::ranges::none_of(file.scene.dem->particles, is_placed)) return;
   Placing placing(folder, file);
   placing.take_frames_of_runs();
-  if (settles)
+  if (settles && on.settles)
     placing.settle(on);
   else
     placing.pack();

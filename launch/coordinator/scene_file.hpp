@@ -40,6 +40,7 @@ struct SettledBed {
 struct SettleOn {
   std::string backend = "auto";
   unsigned threads = 0;
+  bool settles = true;  // false: spheres are where they are packed, and no solver is started
 };
 
 struct SceneFile {

@@ -161,8 +161,9 @@ std::string StabilityWatch::warning(std::uint32_t body, const StabilityFigures& 
   std::string remedy;
   if (use.window > 0) remedy = fmt::format("coupling.window = {:.2g} s would be stable", use.window);
   if (!use.scheme.empty())
-    remedy +=
-        fmt::format("{}scheme {} would be stable with this window", remedy.empty() ? "" : "; ", use.scheme);
+    remedy += fmt::format(
+        "{}scheme {}{} would be stable with this window", remedy.empty() ? "" : "; ", use.scheme,
+        use.scheme == name(scene_.coupling.scheme) ? " without coupling.load and coupling.path" : "");
   return fmt::format(
       "body '{}' vibrates on its contacts with omega H = {:.3g}, zeta = {:.2g} (estimate); scheme {} is "
       "stable up to "

@@ -156,6 +156,18 @@ class RestartRefusals(Case):
         (self.folder / "other.json").write_text(json.dumps(scene))
         self.assertIn("dem.materials[0].young", self.refusal(self.folder / "other.json"))
 
+    def test_other_sums_since_the_start(self):
+        """The sums of the particle solver belong to the walls, and the outputs, of the run that was saved."""
+        scene = json.loads((SCENES / "hanging_box.json").read_text())
+        other = self.folder / "other.json"
+        for output, difference in [({"wall_fields": ["inside"]}, "output.wall_fields"), ({"dissipation": True}, "output.dissipation")]:
+            scene["output"] = output
+            other.write_text(json.dumps(scene))
+            self.assertRegex(self.refusal(other), f"is of another scene: {difference}.* here")
+        scene["output"] = {"fields": ["group"], "contacts": ["box"]}  # of the instants of frames
+        other.write_text(json.dumps(scene))
+        self.run_scene(other, "--restart", self.folder / "first", "--end-time", "0.01", out=self.folder / "on")
+
     def test_nothing_left_to_do(self):
         self.assertIn("give a later --end-time", self.refusal("hanging_box.json", "--end-time", "0.005"))
 

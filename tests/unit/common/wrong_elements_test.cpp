@@ -200,6 +200,11 @@ const WrongScene elements[] = {
      "mbd.forces[0].road_point: the centre of the wheel, the point of joint 'spin', is -0.2 m above the "
      "road, "
      "less than half of the radius of 0.3 m (give road_point and road_normal of a road below the wheel)"},
+    {"TyreThatTouchesAlongMoreThanItsDiameter",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "patch_length": 5, "road_normal": [1, 0, 0], "road_point": [-0.3, 0, 0]})"),
+     "mbd.forces[0].patch_length: the tyre touches the road along 5 m, more than the diameter of the wheel, "
+     "0.6 m (give the length of the patch, a part of the radius)"},
     {"RoadWithoutUnitNormal",
      ELEMENT(
          R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [2, 0, 0], "road_point": [-0.3, 0, 0]})"),
