@@ -49,6 +49,8 @@ class Link {
     check([&] { decode(payload_of(in_), value); });
     exchange_ += Clock::now() - begin;
   }
+  // Exchanges the memory of that message for `frame`, whose payload may then be decoded by another thread.
+  void take(Bytes& frame) { std::swap(in_, frame); }
   void read_nothing() {
     check([&] { decode_nothing(payload_of(in_)); });
   }

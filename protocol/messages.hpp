@@ -36,7 +36,7 @@ enum Capability : std::uint64_t {
   can_rollback = 1u << 1,     // answers save and restore
   can_interpolate = 1u << 2,  // dem: follows pose and twist inside the window
   can_window_mean = 1u << 3,  // dem: returns impulse means
-  can_linearise = 1u << 4,    // dem: answers linearise; since 1.1
+  can_linearise = 1u << 4,    // answers linearise; dem since 1.1, mbd since 1.4
   can_extrapolate = 1u << 5,  // mbd: answers extrapolate, integrates loads that are linear in time; since 1.1
   can_control = 1u << 6,      // mbd: answers control; since 1.2
   can_checkpoint = 1u << 7,   // answers checkpoint and resume; since 1.3
@@ -98,9 +98,9 @@ struct BodyLoad {  // one boundary body (or ground) over one window
   double work = 0;      // done by the particles on the body along its prescribed path [J]
 };
 
-// Response of the load on one boundary body to a small motion of the body from its present pose:
-// dF = -stiffness dx - damping dv, with dx = (displacement, rotation), dv = (velocity, angular velocity),
-// world axes.
+// Response of the contacts of one boundary body, with particles (dem) or with other bodies and the ground
+// (mbd), to a small motion of this body alone from its present pose: dF = -stiffness dx - damping dv, with
+// dx = (displacement, rotation), dv = (velocity, angular velocity), about the body's frame, world axes.
 struct BodyTangent {
   std::uint32_t body = 0, reserved = 0;
   std::array<double, 36> stiffness{};  // by rows: force, torque (6 x 6)

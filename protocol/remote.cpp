@@ -24,6 +24,7 @@ struct Remote::State {
   LoadSet load;
   TangentSet tangents;
   BodiesFrame bodies_frame;
+  ReceivedParticles received_particles;
   ParticlesFrame particles_frame;
 
   Deadline deadline() const { return Clock::now() + patience; }
@@ -196,27 +197,30 @@ const ParticlesFrame& Remote::observe_particles(Nanoseconds now) {
 }
 
 void Remote::observe_particles(Nanoseconds time, ParticlesFrame& into) {
-  receive_particles(time, into)(into);
+  receive_particles(time, state_->received_particles);
+  state_->received_particles.read(into);
 }
 
-Remote::ParticlesCheck Remote::receive_particles(Nanoseconds time, ParticlesFrame& into) {
+void Remote::receive_particles(Nanoseconds time, ReceivedParticles& into) {
   State& s = *state_;
   s.link.vouch(Kind::observe, [&] { s.link.progress().use_snapshot(time); });
   s.send(Kind::observe, time);
   s.answer();
-  s.link.read(into);
-  s.link.check([&] {
-    if (into.time != time)
+  s.link.take(into.frame_);
+  into.time_ = time;
+  into.place_ = s.link.place();
+}
+
+void ReceivedParticles::read(ParticlesFrame& into) const {
+  try {
+    decode(payload_of(frame_), into);
+    if (into.time != time_)
       throw ProtocolError(Violation::wrong_time, "time is " + std::to_string(into.time.count) +
-                                                     " ns, asked was " + std::to_string(time.count) + " ns");
-  });
-  return [where = s.link.place()](const ParticlesFrame& frame) {
-    try {
-      check_values(frame);
-    } catch (const ProtocolError& e) {
-      throw ProtocolError(e.violation(), e.problem(), where, e.hint());
-    }
-  };
+                                                     " ns, asked was " + std::to_string(time_.count) + " ns");
+    check_values(into);
+  } catch (const ProtocolError& e) {
+    throw ProtocolError(e.violation(), e.problem(), place_, e.hint());
+  }
 }
 
 void Remote::snapshot(Nanoseconds now) {

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "protocol/channel.hpp"
 #include "protocol/messages.hpp"
@@ -20,6 +22,19 @@ struct RunIdentity {
   std::uint64_t run_id = 0;
   // Counts the starts of one run, so that a server of an earlier start is refused.
   std::uint32_t generation = 0;
+};
+
+// A frame of particles as it came. Its memory is kept from frame to frame.
+class ReceivedParticles {
+ public:
+  // Decodes the frame and checks its values; in any thread.
+  void read(ParticlesFrame& into) const;
+
+ private:
+  friend class Remote;
+  std::vector<std::byte> frame_;
+  Nanoseconds time_{};
+  std::string place_;  // for errors
 };
 
 class Remote {
@@ -45,17 +60,15 @@ class Remote {
   // dem
   void start_advance(const MotionSet& motion);
   const LoadSet& finish_load();
-  const TangentSet& linearise();
   const ParticlesFrame& observe_particles(Nanoseconds now);
   // `time`: now, or that of the last snapshot, whose frame is sent once.
   void observe_particles(Nanoseconds time, ParticlesFrame& into);
-  // The same without the checks of the values, which the returned function makes: it may be called by another
-  // thread.
-  using ParticlesCheck = std::function<void(const ParticlesFrame&)>;
-  ParticlesCheck receive_particles(Nanoseconds time, ParticlesFrame& into);
+  // The same, but not yet decoded.
+  void receive_particles(Nanoseconds time, ReceivedParticles& into);
   // can_snapshot: the participant keeps the present frame, and prepares it while the next window is computed.
   void snapshot(Nanoseconds now);
   // both
+  const TangentSet& linearise();
   void save();
   void restore();
   // The participant writes its state to this file on its host, or restores its state from it.

@@ -16,6 +16,7 @@ Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
       space_(scene, Departure::straight),
       watch_(scene),
       watching_(solvers.mbd && solvers.dem && solvers.dem->can(protocol::can_linearise)),
+      supported_(watching_ && scene.contact && solvers.mbd->can(protocol::can_linearise)),
       body_momentum_(scene),
       motion_watch_(scene),
       path_watch_(scene),
@@ -110,7 +111,8 @@ void Coupler::save_or_restore(Archive& archive) {
 void Coupler::look_at_contacts() {
   if (!watching_) return;
   if (exchange_.tangents.time != exchange_.load.window.end) exchange_.tangents = solvers_.dem->linearise();
-  if (const auto sentence = watch_.observe(exchange_.tangents, exchange_.motion)) {
+  const protocol::TangentSet& supports = supported_ ? solvers_.mbd->linearise() : no_supports_;
+  if (const auto sentence = watch_.observe(exchange_.tangents, supports, exchange_.motion)) {
     // Adaptive windows stay below the limit because they follow the error.
     if (control_.adaptive()) return;
     log::warn("{}", *sentence);

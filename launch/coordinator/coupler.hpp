@@ -71,6 +71,8 @@ class Coupler {
   PathSpace space_;
   StabilityWatch watch_;
   bool watching_;
+  bool supported_;  // bodies have contacts with each other, and the multibody side reports them
+  const protocol::TangentSet no_supports_;
   Exchange exchange_, before_;
   Accounts accounts_;
   BodyMomentum body_momentum_;

@@ -134,7 +134,8 @@ class Run {
   void begin_frame();
   void fetch_frame();
   void set_next_frame();
-  Results::ParticleCheck check_of_frame();
+  using ParticleCheck = std::function<void(const protocol::ParticlesFrame&)>;
+  ParticleCheck check_of_frame();
   void write_checkpoint();
   void write_interim_summary();
   std::uint64_t spheres_there() const;
@@ -150,7 +151,8 @@ class Run {
   protocol::FrameSink* const frames_;
   const Nanoseconds end_;
 
-  // Before the results, whose thread checks the frames.
+  // Before the results, whose thread decodes and checks the frames.
+  protocol::ReceivedParticles received_;
   std::unique_ptr<ParticleWatch> particle_watch_;
   std::optional<WallLoadWatch> wall_load_watch_;
   std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
@@ -170,7 +172,7 @@ class Run {
   struct BegunFrame {
     Nanoseconds time;
     std::optional<protocol::BodiesFrame> bodies;
-    Results::ParticleCheck check;
+    ParticleCheck check;
     int windows = 0;  // since then
   };
   static constexpr int windows_of_a_frame = 3;
@@ -355,10 +357,9 @@ void Run::observe() {
 }
 
 // What the windows so far say of a frame goes with it to the thread that checks and writes frames.
-Results::ParticleCheck Run::check_of_frame() {
-  Results::ParticleCheck check = [this, of_particles = particle_watch_->take_before(),
-                                  of_spheres =
-                                      sphere_watch_->take_before()](const protocol::ParticlesFrame& spheres) {
+Run::ParticleCheck Run::check_of_frame() {
+  ParticleCheck check = [this, of_particles = particle_watch_->take_before(),
+                         of_spheres = sphere_watch_->take_before()](const protocol::ParticlesFrame& spheres) {
     particle_watch_->check(spheres, of_particles);
     sphere_watch_->check(spheres, of_spheres);
   };
@@ -379,7 +380,7 @@ void Run::write_frame() {
     particle_watch_->expect_start(*frame);
     sphere_watch_->begin(*frame);
   }
-  results_.write_frame(now_, bodies_, frame, frame ? check_of_frame() : Results::ParticleCheck());
+  results_.write_frame(now_, bodies_, frame, frame ? check_of_frame() : ParticleCheck());
   set_next_frame();
   stopwatch_.end_output(solvers_);
 }
@@ -399,11 +400,11 @@ void Run::fetch_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   const BegunFrame begun = *std::exchange(begun_frame_, {});
-  protocol::ParticlesFrame& frame = results_.particles_to_write();
-  const auto check_values = solvers_.dem->receive_particles(begun.time, frame);
+  protocol::ParticlesFrame& frame = results_.particles_to_write();  // waits until received_ is free
+  solvers_.dem->receive_particles(begun.time, received_);
   results_.write_frame(begun.time, begun.bodies ? &*begun.bodies : nullptr, &frame,
-                       [check_values, check = begun.check](const protocol::ParticlesFrame& spheres) {
-                         check_values(spheres);
+                       [this, check = begun.check](protocol::ParticlesFrame& spheres) {
+                         received_.read(spheres);
                          check(spheres);
                        });
   stopwatch_.end_output(solvers_);

@@ -60,6 +60,7 @@ StabilityWatch::StabilityWatch(const scene::Scene& scene) : scene_(scene) {
 }
 
 std::vector<StabilityWatch::Mode> StabilityWatch::modes(const protocol::BodyTangent& tangent,
+                                                        const protocol::BodyTangent* support,
                                                         const Pose& pose) const {
   if (fixed_[tangent.body]) return {};
   const scene::Body& body = scene_.mbd->bodies[tangent.body];
@@ -84,12 +85,21 @@ std::vector<StabilityWatch::Mode> StabilityWatch::modes(const protocol::BodyTang
     if (!(solver.eigenvalues()[i] > 0)) continue;
     const Eigen::VectorXd shape = solver.eigenvectors().col(i);  // of unit modal mass
     const double omega = std::sqrt(solver.eigenvalues()[i]);
-    result.push_back({omega, std::max(0.0, shape.dot(d * shape) / (2 * omega))});
+    Mode& mode = result.emplace_back();
+    mode.omega = omega;
+    mode.zeta = std::max(0.0, shape.dot(d * shape) / (2 * omega));
+    if (!support) continue;
+    const Vector6 motion = J * shape;
+    const auto along = [&motion](const std::array<double, 36>& matrix) {
+      return std::max(0.0, motion.dot(Eigen::Map<const Matrix6>(matrix.data()) * motion));
+    };
+    mode.support = {along(support->stiffness) / (omega * omega), along(support->damping) / omega};
   }
   return result;
 }
 
 std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& tangents,
+                                                   const protocol::TangentSet& supports,
                                                    const protocol::MotionSet& motion) {
   const double H = motion.window.length();
   stable_window_ = std::numeric_limits<double>::infinity();
@@ -100,17 +110,21 @@ std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& t
     if (end == motion.bodies.end()) continue;
     StabilityFigures& figures = figures_[tangent.body];
     Vibration& now = figures.now = {};
-    for (const Mode& mode : modes(tangent, end->end_pose)) {
+    const auto support = std::ranges::find(supports.bodies, tangent.body, &protocol::BodyTangent::body);
+    const protocol::BodyTangent* const held = support == supports.bodies.end() ? nullptr : &*support;
+    for (const Mode& mode : modes(tangent, held, end->end_pose)) {
       const double omega_H = mode.omega * H;
       if (omega_H < negligible_omega_H) continue;
-      const double growing = growth(scene_.coupling, omega_H, mode.zeta);
+      const double growing = growth(scene_.coupling, omega_H, mode.zeta, mode.support);
       if (scene_.coupling.adaptive && growing > 1 + negligible_growth)
-        stable_window_ = std::min(stable_window_, critical_omega_H(scene_.coupling, mode.zeta) / mode.omega);
-      if (is_worse({omega_H, mode.zeta, growing}, now)) now = {omega_H, mode.zeta, growing};
+        stable_window_ =
+            std::min(stable_window_, critical_omega_H(scene_.coupling, mode.zeta, mode.support) / mode.omega);
+      const Vibration vibration{omega_H, mode.zeta, growing, mode.support};
+      if (is_worse(vibration, now)) now = vibration;
     }
     if (is_worse(now, figures.worst)) figures.worst = now;
     if (now.growth <= 1 + negligible_growth || figures.windows_beyond++ > 0) continue;
-    figures.limit = critical_omega_H(scene_.coupling, now.zeta);
+    figures.limit = critical_omega_H(scene_.coupling, now.zeta, now.support);
     news = (news ? *news + "; " : std::string()) + warning(tangent.body, figures, H);
   }
   return news;
@@ -127,9 +141,10 @@ void StabilityWatch::save_or_restore(Archive& archive, std::uint64_t seen) {
     };
     expect(scene_.mbd && body < scene_.mbd->bodies.size(), "there is no such body");
     for (const Vibration& v : {figures.now, figures.worst})
-      expect(
-          std::isfinite(v.omega_H) && v.omega_H >= 0 && std::isfinite(v.zeta) && v.zeta >= 0 && v.growth >= 0,
-          "no body vibrates like that");
+      expect(std::isfinite(v.omega_H) && v.omega_H >= 0 && std::isfinite(v.zeta) && v.zeta >= 0 &&
+                 v.growth >= 0 && std::isfinite(v.support.stiffness) && v.support.stiffness >= 0 &&
+                 std::isfinite(v.support.damping) && v.support.damping >= 0,
+             "no body vibrates like that");
     expect(!is_worse(figures.now, figures.worst), "the worst vibration is not the worst");
     expect(figures.limit >= 0, "the limit of stability is no number of at least 0");
     expect(figures.windows_beyond <= seen, "more windows are beyond the limit than there were");
@@ -142,13 +157,15 @@ StabilityRemedy StabilityWatch::remedy(const Vibration& of_window) const {
 
 StabilityRemedy StabilityWatch::remedy(const Vibration& f, double H) const {
   StabilityRemedy remedy;
-  const double limit = critical_omega_H(scene_.coupling, f.zeta);
+  const double limit = critical_omega_H(scene_.coupling, f.zeta, f.support);
   if (limit > 0) remedy.window = 0.9 * limit / f.omega_H * H;
   remedy.omega_H = std::max(limit, 1e-2);  // start of the search for the limit
+  // On a support a window may be stable beyond the first limit.
+  if (f.growth <= 1 + negligible_growth) remedy.omega_H = std::max(remedy.omega_H, f.omega_H);
   for (const scene::Scheme scheme : {scene::Scheme::dem_first, scene::Scheme::linear_implicit}) {
     scene::Coupling other;
     other.scheme = scheme;
-    if (growth(other, f.omega_H, f.zeta) > 1 + negligible_growth) continue;
+    if (growth(other, f.omega_H, f.zeta, f.support) > 1 + negligible_growth) continue;
     remedy.scheme = name(scheme);
     break;
   }
@@ -164,11 +181,16 @@ std::string StabilityWatch::warning(std::uint32_t body, const StabilityFigures& 
     remedy += fmt::format(
         "{}scheme {}{} would be stable with this window", remedy.empty() ? "" : "; ", use.scheme,
         use.scheme == name(scene_.coupling.scheme) ? " without coupling.load and coupling.path" : "");
+  std::string support;
+  if (f.support.stiffness > 0)
+    support = fmt::format(", and on those with other bodies with omega H = {:.3g}",
+                          std::sqrt(f.support.stiffness) * f.omega_H);
   return fmt::format(
-      "body '{}' vibrates on its contacts with omega H = {:.3g}, zeta = {:.2g} (estimate); scheme {} is "
+      "body '{}' vibrates on its contacts with omega H = {:.3g}, zeta = {:.2g}{} (estimate); scheme {} is "
       "stable up to "
       "{:.3g}: {}",
-      scene_.mbd->bodies[body].name, f.omega_H, f.zeta, name(scene_.coupling.scheme), figures.limit, remedy);
+      scene_.mbd->bodies[body].name, f.omega_H, f.zeta, support, name(scene_.coupling.scheme), figures.limit,
+      remedy);
 }
 
 }  // namespace tandem::launch

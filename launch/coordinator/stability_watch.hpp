@@ -1,6 +1,9 @@
 // Checks whether the window suits the contacts: estimates omega H and zeta of each boundary body from the
 // stiffness and damping that the particle side reports, and warns once per body, before a run diverges.
 //
+// Contacts of the body with other bodies and the ground, where the multibody side reports them, hold the body
+// as a support does (window_map.hpp), as if these bodies were at rest.
+//
 // The estimate uses the body's own mass and inertia. A body connected with the ground by one revolute or
 // prismatic joint moves in that coordinate only. For any other body all motions are considered, without the
 // inertia that its joints and neighbours add: its omega is then an upper bound. A body with prescribed motion
@@ -16,6 +19,7 @@
 
 #include "common/scene/model.hpp"
 #include "launch/coordinator/archive.hpp"
+#include "launch/coordinator/window_map.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::launch {
@@ -24,6 +28,7 @@ namespace tandem::launch {
 struct Vibration {
   double omega_H = 0, zeta = 0;  // [-]
   double growth = 0;             // per window [-]
+  Support support = {};
 };
 struct StabilityFigures {
   Vibration now, worst;  // at the end of the last window, and of the worst one
@@ -43,9 +48,10 @@ class StabilityWatch {
  public:
   explicit StabilityWatch(const scene::Scene& scene);
 
-  // Checks the contacts at the end of a window in which the bodies moved by `motion`. Returns a warning if
-  // there is a new one.
-  std::optional<std::string> observe(const protocol::TangentSet& tangents, const protocol::MotionSet& motion);
+  // Checks the contacts at the end of a window in which the bodies moved by `motion`: `tangents` of those
+  // with particles, `supports` of those with other bodies. Returns a warning if there is a new one.
+  std::optional<std::string> observe(const protocol::TangentSet& tangents,
+                                     const protocol::TangentSet& supports, const protocol::MotionSet& motion);
   StabilityRemedy remedy(const Vibration& of_window) const;
   // `seen`: number of calls of observe().
   void save_or_restore(Archive& archive, std::uint64_t seen);
@@ -57,11 +63,13 @@ class StabilityWatch {
  private:
   struct Mode {
     double omega = 0, zeta = 0;  // [rad/s] [-]
+    Support support;
   };
   // Free motions of a body: velocity and angular velocity (6 x freedoms); no entry: it cannot move.
   std::vector<std::vector<std::array<double, 6>>> freedoms_;  // (bodies); empty list: all six
   std::vector<bool> fixed_;                                   // (bodies)
-  std::vector<Mode> modes(const protocol::BodyTangent& tangent, const Pose& pose) const;
+  std::vector<Mode> modes(const protocol::BodyTangent& tangent, const protocol::BodyTangent* support,
+                          const Pose& pose) const;
   StabilityRemedy remedy(const Vibration& vibration, double H) const;
   std::string warning(std::uint32_t body, const StabilityFigures& figures, double H) const;
 

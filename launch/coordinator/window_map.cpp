@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <limits>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "common/math/spectral_radius.hpp"
 
@@ -30,10 +31,43 @@ Load contact(End begin, End end, double H, double zeta) {
   return {-mean_x - d * (end.x - begin.x) / H, -moment_x - d * moment_v, -end.x - d * end.v};
 }
 
-// Motion of the body under a load that is constant or linear in time.
-End move(End begin, const Load& load, double H) {
-  return {begin.x + H * begin.v + H * H / 2 * load.mean - H * load.moment, begin.v + H * load.mean};
+// Motion with a constant acceleration.
+End coast(End begin, double acceleration, double H) {
+  return {begin.x + H * begin.v + H * H / 2 * acceleration, begin.v + H * acceleration};
 }
+
+// Change of a load per time.
+double slope(const Load& load, double H) {
+  return 12 * load.moment / (H * H);
+}
+
+// Motion of the body on its support under a load that is constant or linear in time.
+class Body {
+ public:
+  Body(const Support& support, double H) : H_(H), support_(support) {
+    if (support.empty()) return;
+    Eigen::Matrix4d rate = Eigen::Matrix4d::Zero();  // of x, v, load, slope
+    rate(0, 1) = rate(1, 2) = rate(2, 3) = 1;
+    rate(1, 0) = -support.stiffness;
+    rate(1, 1) = -support.damping;
+    map_ = (H * rate).exp();
+  }
+  End move(End begin, const Load& load) const {
+    if (support_.empty())
+      return {begin.x + H_ * begin.v + H_ * H_ / 2 * load.mean - H_ * load.moment, begin.v + H_ * load.mean};
+    const double s = slope(load, H_);
+    const Eigen::Vector4d end = map_ * Eigen::Vector4d(begin.x, begin.v, load.mean - s * H_ / 2, s);
+    return {end[0], end[1]};
+  }
+  double acceleration(End at, double load) const {
+    return load - support_.stiffness * at.x - support_.damping * at.v;
+  }
+
+ private:
+  double H_;
+  Support support_;
+  Eigen::Matrix4d map_;
+};
 
 Load shaped(Load load, LoadShape shape) {
   if (shape == LoadShape::end) return {load.end, 0, load.end};
@@ -43,11 +77,13 @@ Load shaped(Load load, LoadShape shape) {
 
 }  // namespace
 
-WindowState advance_model(const scene::Coupling& how, double H, double zeta, const WindowState& state) {
+WindowState advance_model(const scene::Coupling& how, double H, double zeta, const Support& support,
+                          const WindowState& state) {
+  const Body body(support, H);
   const End begin{state[0], state[1]};
   const double acceleration = how.path == scene::PathShape::quadratic ? state[2] : 0;
   const Load held{state[3], 0, 0};
-  const End predicted = move(begin, {acceleration, 0, 0}, H);
+  const End predicted = coast(begin, acceleration, H);
 
   Load load, applied;  // of the contact, on the body
   switch (how.scheme) {
@@ -57,7 +93,7 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
       break;
     case scene::Scheme::mbd_first:
       applied = held;
-      load = contact(begin, move(begin, applied, H), H, zeta);
+      load = contact(begin, body.move(begin, applied), H, zeta);
       break;
     case scene::Scheme::dem_first:
       load = contact(begin, predicted, H, zeta);
@@ -66,15 +102,17 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
     case scene::Scheme::linear_implicit: {
       load = contact(begin, predicted, H, zeta);
       applied = shaped(load, how.load);
-      const double added = H * (H + 2 * zeta);  // H^2 K + H D
-      applied.mean = (applied.mean + added * acceleration) / (1 + added);
+      // The load falls by H K + D times the change of velocity, which is linear in the load.
+      const double relief = H + 2 * zeta, without = body.move(begin, {0, applied.moment, 0}).v,
+                   per_load = body.move({}, {1, 0, 0}).v;
+      applied.mean = (applied.mean - relief * (without - predicted.v)) / (1 + relief * per_load);
       break;
     }
     case scene::Scheme::implicit: {
       // The load L = g(L) along the path that it causes. g is affine: two differences give its matrix.
       // A mean load is combined with a path of constant velocity.
       const auto along = [&](const Load& cause) {
-        const End end = move(begin, cause, H);
+        const End end = body.move(begin, cause);
         if (how.load != LoadShape::mean) return contact(begin, end, H, zeta);
         const double v = (end.x - begin.x) / H;
         return contact({begin.x, v}, {end.x, v}, H, zeta);
@@ -92,24 +130,24 @@ WindowState advance_model(const scene::Coupling& how, double H, double zeta, con
       break;
     }
   }
-  const End end = move(begin, applied, H);
-  const double slope = 12 * applied.moment / (H * H);
-  return {end.x, end.v, applied.mean + slope * H / 2, shaped(load, how.load).mean};
+  const End end = body.move(begin, applied);
+  return {end.x, end.v, body.acceleration(end, applied.mean + slope(applied, H) * H / 2),
+          shaped(load, how.load).mean};
 }
 
-double growth(const scene::Coupling& how, double omega_H, double zeta) {
+double growth(const scene::Coupling& how, double omega_H, double zeta, const Support& support) {
   std::vector<double> map;  // column by column
   for (std::size_t i = 0; i < WindowState{}.size(); ++i) {
     WindowState unit{};
     unit[i] = 1;
-    const WindowState image = advance_model(how, omega_H, zeta, unit);
+    const WindowState image = advance_model(how, omega_H, zeta, support, unit);
     map.insert(map.end(), image.begin(), image.end());
   }
   return spectral_radius(map);
 }
 
-double critical_omega_H(const scene::Coupling& how, double zeta) {
-  const auto stable = [&](double s) { return growth(how, s, zeta) <= 1 + growth_tolerance; };
+double critical_omega_H(const scene::Coupling& how, double zeta, const Support& support) {
+  const auto stable = [&](double s) { return growth(how, s, zeta, support) <= 1 + growth_tolerance; };
   // The first value at which stability is lost, to 3 %, then refined by bisection.
   double low = 1e-2;
   if (!stable(low)) return 0;

@@ -222,14 +222,14 @@ protocol::ParticlesFrame& Results::particles_to_write() {
 }
 
 void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
-                          const protocol::ParticlesFrame* particles, ParticleCheck check) {
+                          const protocol::ParticlesFrame* particles, PrepareParticles prepare) {
   State& s = *state_;
   s.wait();
   s.require(!s.particle_series || particles != nullptr, "particles");
   copy_to(s.frame_bodies, bodies);
   if (!s.frame_particles || particles != &*s.frame_particles) copy_to(s.frame_particles, particles);
-  auto write = [&s, time, check = std::move(check)] {
-    if (check && s.frame_particles) check(*s.frame_particles);
+  auto write = [&s, time, prepare = std::move(prepare)] {
+    if (prepare && s.frame_particles) prepare(*s.frame_particles);
     try {
       if (s.particle_series) s.particle_series->append(*s.frame_particles, s.columns_of(*s.frame_particles));
       if (s.contact_series) s.contact_series->append(*s.frame_particles);

@@ -39,12 +39,12 @@ class Results {
   void set_groups(std::vector<std::uint32_t> group_of_sphere);
   // Memory for the particles of the next frame, which are then not copied. Waits for the previous frame.
   protocol::ParticlesFrame& particles_to_write();
-  // Checks and writes one frame of the ParaView series concurrently with the run; waits for the previous
-  // frame. `check` gets the particles, in the order of the frames. If one of the two fails, the next call of
-  // any of these functions throws.
-  using ParticleCheck = std::function<void(const protocol::ParticlesFrame&)>;
+  // Writes one frame of the ParaView series concurrently with the run; waits for the previous frame.
+  // `prepare` gets the particles first, in the order of the frames: it may decode them, and checks them. If
+  // one of the two fails, the next call of any of these functions throws.
+  using PrepareParticles = std::function<void(protocol::ParticlesFrame&)>;
   void write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
-                   const protocol::ParticlesFrame* particles, ParticleCheck check = {});
+                   const protocol::ParticlesFrame* particles, PrepareParticles prepare = {});
   // Waits until the last frame is written.
   void finish();
   // Waits until all rows so far are stored on the disk.

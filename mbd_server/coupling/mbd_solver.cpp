@@ -12,6 +12,7 @@
 #include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/plain_text.hpp"
+#include "mbd_server/contact/contact_tangents.hpp"
 #include "mbd_server/coupling/facts.hpp"
 #include "mbd_server/io/state_file.hpp"
 #include "mbd_server/setup/build.hpp"
@@ -278,6 +279,14 @@ void MbdSolver::control(const protocol::ControlSet& inputs) {
   if (values == state_.inputs) return;
   state_.inputs = values;
   machine_->integrator().jump(machine_->system, state_);
+}
+
+const protocol::TangentSet& MbdSolver::linearise() {
+  const Stopwatch stopwatch(seconds_, cpu_seconds_);
+  machine_->system.residual(state_);
+  tangents_.time = to_nanoseconds(state_.time);
+  contact_tangents(machine_->model, state_, machine_->system.links(), tangents_.bodies);
+  return tangents_;
 }
 
 void MbdSolver::save() {

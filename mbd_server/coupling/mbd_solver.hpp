@@ -31,6 +31,7 @@ class MbdSolver final : public protocol::MotionSolver {
   const protocol::MotionSet& extrapolate(const Window& window) override;
   const protocol::MotionSet& advance(const protocol::LoadSet& loads) override;
   void control(const protocol::ControlSet& inputs) override;
+  const protocol::TangentSet& linearise() override;
   void save() override;
   void restore() override;
   void checkpoint(const protocol::Checkpoint& file) override;
@@ -39,7 +40,7 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return MotionSolver::capabilities() | protocol::can_extrapolate | protocol::can_control |
-           protocol::can_checkpoint | protocol::can_observe_elements;
+           protocol::can_checkpoint | protocol::can_observe_elements | protocol::can_linearise;
   }
 
   const State& state() const { return state_; }
@@ -119,6 +120,7 @@ class MbdSolver final : public protocol::MotionSolver {
   std::vector<LinkIndex> prescribed_;    // links with a prescribed motion
   std::vector<double> rates_before_;     // of these before a jump
   protocol::MotionSet motion_;
+  protocol::TangentSet tangents_;
   protocol::BodiesFrame frame_;
   double error_constant_ = 0;             // of the position, of the method [-]
   bool loaded_ = false;                   // by particles or by a controller

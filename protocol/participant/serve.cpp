@@ -175,16 +175,14 @@ class Server {
   }
 
   void linearise() {
-    if constexpr (std::is_same_v<AnySolver, LoadSolver>) {
-      link_.read_nothing();
-      const TangentSet& tangents = solver_.linearise();
-      link_.vouch(Kind::tangents, [&] {
-        link_.progress().expect_now(tangents.time);
-        bodies_.expect_some(tangents.bodies);
-        check_values(tangents);
-      });
-      answer(Kind::tangents, tangents);
-    }
+    link_.read_nothing();
+    const TangentSet& tangents = solver_.linearise();
+    link_.vouch(Kind::tangents, [&] {
+      link_.progress().expect_now(tangents.time);
+      bodies_.expect_some(tangents.bodies);
+      check_values(tangents);
+    });
+    answer(Kind::tangents, tangents);
   }
 
   void control() {

@@ -25,6 +25,9 @@ class Solver {
   virtual void resume(const Checkpoint&) { throw Error(ErrorCode::protocol, "cannot continue from a file"); }
   // Final statistics.
   virtual Report report() = 0;
+  // can_linearise: stiffness and damping of the contacts of each boundary body at the end of the last window:
+  // with particles on the particle side, with other bodies and the ground on the multibody side.
+  virtual const TangentSet& linearise() { throw Error(ErrorCode::protocol, "cannot linearise"); }
 };
 
 // Multibody side: loads in, motion out.
@@ -61,9 +64,6 @@ class LoadSolver : public Solver {
   virtual const ParticlesFrame& read_snapshot() {
     throw Error(ErrorCode::protocol, "cannot keep a snapshot");
   }
-  // can_linearise: stiffness and damping of the contacts of each boundary body at the end of the last
-  // window.
-  virtual const TangentSet& linearise() { throw Error(ErrorCode::protocol, "cannot linearise"); }
 };
 
 }  // namespace tandem::protocol

@@ -41,7 +41,7 @@ TEST(SessionTable, EveryStateIsReachedAndLeft) {
               reached.insert(v.next);
     }
     const std::set<SessionState> others =
-        role == Role::mbd ? std::set{SessionState::loading, SessionState::linearising, SessionState::copying}
+        role == Role::mbd ? std::set{SessionState::loading, SessionState::copying}
                           : std::set{SessionState::predicting, SessionState::extrapolating,
                                      SessionState::controlling, SessionState::moving};
     for (const SessionState state : all_states)
@@ -323,6 +323,7 @@ TEST(SessionCells, TheCoordinatorTakesOrRefusesEachMessageInEachState) {
          r.control({{0}, {1.5}});
        }},
       {Role::dem, SessionState::linearising, Kind::linearise, [](Remote& r) { r.linearise(); }},
+      {Role::mbd, SessionState::linearising, Kind::linearise, [](Remote& r) { r.linearise(); }},
       {Role::mbd, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
       {Role::dem, SessionState::saving, Kind::save, [](Remote& r) { r.save(); }},
       {Role::mbd, SessionState::checkpointing, Kind::checkpoint,

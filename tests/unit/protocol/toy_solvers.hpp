@@ -42,10 +42,14 @@ class ToyMotion : public MotionSolver {
   }
   const MotionSet& extrapolate(const Window& w) override { return predict(w); }
   void control(const ControlSet& set) override { inputs = set.values; }
+  const TangentSet& linearise() override {
+    tangents_.time = now_;
+    return tangents_;
+  }
   void checkpoint(const Checkpoint& file) override { written = file; }
   void resume(const Checkpoint& file) override { height_ = 0.25, now_ = file.time; }
   std::uint64_t capabilities() const override {
-    return MotionSolver::capabilities() | can_extrapolate | can_control | can_checkpoint;
+    return MotionSolver::capabilities() | can_extrapolate | can_control | can_checkpoint | can_linearise;
   }
   const BodiesFrame& observe() override {
     frame_.time = now_;
@@ -102,6 +106,7 @@ class ToyMotion : public MotionSolver {
   Nanoseconds now_;
   Saved saved_;
   MotionSet out_;
+  TangentSet tangents_;
   BodiesFrame frame_;
 };
 

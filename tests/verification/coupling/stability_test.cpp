@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "launch/coordinator/schemes.hpp"
 #include "launch/coordinator/window_map.hpp"
 #include "tests/doubles/coupled_oscillator.hpp"
 
@@ -146,6 +147,37 @@ TEST(StabilityOfTheOthers, AgreesWithTheWindowMap) {
       }
       std::printf("  %-26s zeta %.2f  critical omega H: %.3f\n", o.name, zeta, formula);
     }
+}
+
+// The body stands on a spring and damper of the bodies' side, of 0.3 to 30 times the frequency of the
+// contact.
+TEST(StabilityOnASupport, AgreesWithTheWindowMap) {
+  double worst = 0;
+  for (const Scheme scheme :
+       {Scheme::parallel, Scheme::mbd_first, Scheme::dem_first, Scheme::linear_implicit, Scheme::implicit})
+    for (const LoadShape load : {LoadShape::mean, LoadShape::linear})
+      for (const double frequency : {0.3, 3.0, 30.0}) {
+        const bool linear = load == LoadShape::linear;
+        if (linear && scheme != Scheme::dem_first && scheme != Scheme::implicit) continue;
+        scene::Coupling how = coupling(
+            scheme, load, linear && scheme == Scheme::dem_first ? PathShape::quadratic : PathShape::linear);
+        if (scheme == Scheme::implicit)
+          how.iteration = {.tolerance = 1e-12, .length = 1e-14, .max_iterations = 100};
+        const double zeta = 0.1;
+        const launch::Support support{frequency * frequency, 2 * 0.05 * frequency};
+        CoupledOscillator oscillator({1, support.stiffness, support.damping}, wall(zeta), how);
+        for (const double s : {0.1, 0.5, 1.0, 2.0}) {
+          const double expected = launch::growth(how, s, zeta, support), measured = oscillator.growth(s);
+          worst = std::max(worst, std::abs(measured / expected - 1));
+          EXPECT_NEAR(measured, expected, 1e-3 * expected)
+              << launch::name(scheme) << ", omega H = " << s << ", support " << frequency;
+        }
+      }
+  const scene::Coupling how = coupling(Scheme::dem_first, LoadShape::mean);
+  for (const double frequency : {0.3, 1.0, 3.0, 10.0, 30.0})
+    std::printf("  dem_first, zeta 0.1, support of %4.1f omega, zeta 0.05: stable up to omega H = %.3f\n",
+                frequency, launch::critical_omega_H(how, 0.1, {frequency * frequency, 0.1 * frequency}));
+  std::printf("  growth per window: largest relative difference %.1e  tolerance 1e-3\n", worst);
 }
 
 }  // namespace
