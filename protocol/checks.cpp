@@ -312,6 +312,8 @@ void check_values(const BodiesFrame& value) {
   check_field("energy", value.energy, "");
   for (std::size_t i = 0; i < value.elements.size(); ++i)
     check_field("value", value.elements[i], "element column " + std::to_string(i) + ": ");
+  for (std::size_t i = 0; i < value.contacts.size(); ++i)
+    check_field("value", value.contacts[i], "account of contacts " + std::to_string(i) + ": ");
 }
 
 void check_values(const ParticlesFrame& value) {

@@ -218,7 +218,7 @@ void visit(auto& io, Either<BodiesFrame> auto& v) {
   io.array(v.bodies);
   io.array(v.joints);
   io.value(v.energy);
-  io.rest(v.elements);
+  io.rest(v.elements, v.contacts);
 }
 
 void visit(auto& io, Either<ParticlesFrame> auto& v) {

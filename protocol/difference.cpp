@@ -166,7 +166,8 @@ Found compare_payload(const BodiesFrame& a, const BodiesFrame& b) {
   if (Found found = compare_list("bodies", a.bodies, b.bodies)) return found;
   if (Found found = compare_list("joints", a.joints, b.joints)) return found;
   if (Found found = compare("energy", a.energy, b.energy)) return found;
-  return compare_columns("element column", a.elements, b.elements);
+  if (Found found = compare_columns("element column", a.elements, b.elements)) return found;
+  return compare_columns("account of contacts", a.contacts, b.contacts);
 }
 Found compare_payload(const ParticlesFrame& a, const ParticlesFrame& b) {
   if (Found found = compare("time", a.time, b.time)) return found;

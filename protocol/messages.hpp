@@ -177,6 +177,10 @@ struct BodiesFrame {
   // Values of scene::element_columns(); empty, and then not on the wire, without can_observe_elements and
   // where the scene has no elements.
   std::vector<double> elements = {};
+  // Account of the contacts between bodies: for each boundary body the impulse since the start of the run,
+  // torque about its centre of mass [N m s] and force [N s] (6), and then the energy that contacts store [J].
+  // Empty, and then not on the wire, where the scene has no such contacts or the participant has no account.
+  std::vector<double> contacts = {};
 };
 
 struct ParticlesFrame {  // in order of particle id, lost particles left out

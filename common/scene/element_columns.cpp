@@ -169,6 +169,15 @@ void add_columns(const Force& force, const Mbd& mbd, Columns& columns) {
       force);
 }
 
+void add_contact_columns(Columns& columns) {
+  columns.add_axes(Channel::force);
+  columns.add_axes(Channel::torque);
+  columns.add_axes(Channel::friction);
+  columns.add({Channel::normal_force, Channel::depth, Channel::points});
+  columns.add_axes(Channel::centre);
+  columns.add({Channel::power, Channel::stored_energy, Channel::loss_energy});
+}
+
 // Whether any of the items has this name.
 template <class Items>
 bool has(const Items& items, const std::string& name) {
@@ -212,6 +221,10 @@ std::vector<ElementOfScene> elements_of(const Scene& scene) {
     const bool taken = has(mbd.joints, name) || has(mbd.couplers, name);
     Columns columns(begin(Source::force, f, kind, taken ? kind + ":" + name : name));
     add_columns(mbd.forces[f], mbd, columns);
+  }
+  for (std::size_t i = 0; scene.contact && i < scene.contact->outputs.size(); ++i) {
+    Columns columns(begin(Source::contact, i, "contact", scene.contact->outputs[i].name));
+    add_contact_columns(columns);
   }
   return elements;
 }

@@ -1,5 +1,6 @@
-// Results over time of the machine elements: of each force of the scene, each coupler, and each joint with a
-// prescribed motion, damping, friction or limits. They are the columns ELEMENT.CHANNEL of elements.csv.
+// Results over time of the machine elements: of each force of the scene, each coupler, each joint with a
+// prescribed motion, damping, friction or limits, and each output of contacts. They are the columns
+// ELEMENT.CHANNEL of elements.csv.
 #pragma once
 
 #include <cstddef>
@@ -26,16 +27,16 @@ struct ElementColumn {
 };
 
 struct ElementOfScene {
-  enum class Source { joint, coupler, force } source{};
-  std::size_t index = 0;  // in mbd.joints, mbd.couplers or mbd.forces
-  std::string kind;       // type of the force or coupler in the scene, or "joint"
+  enum class Source { joint, coupler, force, contact } source{};
+  std::size_t index = 0;  // in mbd.joints, mbd.couplers, mbd.forces or mbd.contact.outputs
+  std::string kind;       // type of the force or coupler in the scene, "joint" or "contact"
   // Its name; "KIND:NAME" for a force whose name a joint or a coupler has too, or a coupler whose name a
   // joint has.
   std::string name;
   std::vector<ElementColumn> columns;
 };
 
-// In the order of the columns: joints, couplers, forces. Empty without any.
+// In the order of the columns: joints, couplers, forces, contacts. Empty without any.
 std::vector<ElementOfScene> elements_of(const Scene& scene);
 
 // Without "time". The values travel in this order (protocol::BodiesFrame).

@@ -21,8 +21,12 @@ bool contact_is_computed(const Geometry& a, const Geometry& b) {
 ContactMaterialPair combined(const BodyContact& contact, int a, int b) {
   const ContactMaterial &m = contact.materials.at(static_cast<std::size_t>(a)),
                         &o = contact.materials.at(static_cast<std::size_t>(b));
-  ContactMaterialPair pair{
-      a, b, {}, std::sqrt(m.restitution * o.restitution), std::sqrt(m.friction * o.friction)};
+  ContactMaterialPair pair{a,
+                           b,
+                           {},
+                           std::sqrt(m.restitution * o.restitution),
+                           std::sqrt(m.friction * o.friction),
+                           std::sqrt(m.rolling_friction * o.rolling_friction)};
   if (m.stiffness && o.stiffness)
     pair.stiffness = 2 * *m.stiffness * *o.stiffness / (*m.stiffness + *o.stiffness);
   for (const ContactMaterialPair& given : contact.pairs) {
@@ -30,6 +34,7 @@ ContactMaterialPair combined(const BodyContact& contact, int a, int b) {
     if (given.stiffness) pair.stiffness = given.stiffness;
     if (given.restitution) pair.restitution = given.restitution;
     if (given.friction) pair.friction = given.friction;
+    if (given.rolling_friction) pair.rolling_friction = given.rolling_friction;
   }
   return pair;
 }

@@ -587,12 +587,26 @@ struct ContactMaterial {
   double young = 0, poisson = 0;    // [Pa], [-]
   double restitution = 1;           // [-], at least 0.01
   double friction = 0;              // Coulomb coefficient [-]
+  double rolling_friction = 0;      // largest rolling moment over R* N, as dem.materials has it [-]
 };
 
 // Values of a contact between two materials, in either order, in place of those that follow from the two.
 struct ContactMaterialPair {
   int a = 0, b = 0;  // indices of the materials
-  std::optional<double> stiffness, restitution, friction;
+  std::optional<double> stiffness, restitution, friction, rolling_friction;
+};
+
+// A body or the ground with all of its shapes of contact, or one of these shapes.
+struct ContactSide {
+  BodyId body = ground;
+  std::string shape;  // empty: all of them
+};
+
+// Forces of contacts that are results: what `from` does to `on` (common/scene/element_columns.hpp).
+struct ContactOutput {
+  std::string name;
+  std::vector<ContactSide> on;    // one or more; torques are about the first one's centre of mass
+  std::vector<ContactSide> from;  // empty: all that is not `on`
 };
 
 struct BodyContact {
@@ -600,8 +614,13 @@ struct BodyContact {
   std::vector<ContactMaterialPair> pairs;
   std::vector<Shape> ground;                  // shapes fixed to the ground
   std::vector<std::array<BodyId, 2>> ignore;  // bodies that pass through each other
+  std::vector<ContactOutput> outputs;
 };
 
+// Whether a shape of contact belongs to the side.
+inline bool is_of(const Shape& shape, const ContactSide& side) {
+  return shape.body == side.body && (side.shape.empty() || shape.name == side.shape);
+}
 // Whether a contact of these two shapes is computed, in either order.
 bool contact_is_computed(const Geometry& a, const Geometry& b);
 // Values of a pair of materials: the given ones; else a geometric mean of restitution and friction, and a

@@ -22,6 +22,9 @@ Motion parse_motion(const Node& node, const std::string& format);
 // walls of the particles from them.
 void parse_shapes(const Node& root, Scene& scene);
 
+// The outputs of mbd.contact.
+std::vector<ContactOutput> parse_contact_outputs(const Node& contact, const Names& bodies);
+
 // Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);
 

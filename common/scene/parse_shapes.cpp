@@ -155,6 +155,7 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
     from.read("poisson", material.poisson);
     from.read("restitution", material.restitution);
     from.read("friction", material.friction);
+    from.read("rolling_friction", material.rolling_friction);
     if (from.has("young") != from.has("poisson"))
       from.fail(std::string(from.has("young") ? "'young' without 'poisson'" : "'poisson' without 'young'"),
                 "give both, or the stiffness of a point of contact [N/m]");
@@ -169,10 +170,12 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
                              static_cast<int>(from.resolve("b", surfaces, "materials")),
                              {},
                              {},
+                             {},
                              {}};
     from.read("stiffness", pair.stiffness);
     from.read("restitution", pair.restitution);
     from.read("friction", pair.friction);
+    from.read("rolling_friction", pair.rolling_friction);
     for (const ContactMaterialPair& other : contact.pairs)
       if ((other.a == pair.a && other.b == pair.b) || (other.a == pair.b && other.b == pair.a))
         from.fail("the pair is given twice", "leave one of them out");
@@ -195,6 +198,7 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
                 "give two bodies that may pass through each other");
     contact.ignore.push_back(pair);
   }
+  contact.outputs = parse_contact_outputs(node, bodies);
   return contact;
 }
 

@@ -32,6 +32,12 @@ void validate_dem(const Dem& dem, double window, const std::string& origin);
 // Shapes of bodies, and masses that follow from them.
 void validate_shapes(const Scene& scene, const std::string& origin);
 
+// Whether shapes of two bodies touch where they meet: the scene has mbd.contact, no joint connects the
+// bodies, and they are not in `ignore`.
+bool may_touch(const Scene& scene, BodyId a, BodyId b);
+// Outputs of contacts name shapes that may touch, and have names of their own.
+void validate_contact_outputs(const Scene& scene, const std::string& origin);
+
 // Refuses two walls that coincide in whole or in part: spheres would be in contact with both.
 void validate_walls(const Scene& scene, const std::string& origin);
 

@@ -64,21 +64,10 @@ void validate_contact(const Scene& scene, const std::string& origin) {
     return "the " + name_of(shape.geometry) + " '" + shape.name + "' of '" + scene.body_name(shape.body) +
            "'";
   };
-  const auto joined = [&](BodyId a, BodyId b) {
-    return a != ground && b != ground &&
-           std::any_of(mbd.joints.begin(), mbd.joints.end(), [&](const Joint& joint) {
-             return joint.type != JointType::free &&
-                    ((joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a));
-           });
-  };
   for (std::size_t i = 0; i < shapes.size(); ++i)
     for (std::size_t k = i + 1; k < shapes.size(); ++k) {
       const Shape &a = *shapes[i], &b = *shapes[k];
-      if (a.body == b.body || joined(a.body, b.body)) continue;
-      const bool ignored = std::any_of(contact.ignore.begin(), contact.ignore.end(), [&](const auto& pair) {
-        return (pair[0] == a.body && pair[1] == b.body) || (pair[0] == b.body && pair[1] == a.body);
-      });
-      if (ignored) continue;
+      if (!may_touch(scene, a.body, b.body)) continue;
       if (!contact_is_computed(a.geometry, b.geometry))
         fail(origin, b.path + ".shape",
              "the contact of " + of(b) + " with " + of(a) + " is not computed in this version",
@@ -106,6 +95,7 @@ void validate_contact(const Scene& scene, const std::string& origin) {
 
 void validate_shapes(const Scene& scene, const std::string& origin) {
   validate_contact(scene, origin);
+  validate_contact_outputs(scene, origin);
   for (const Shape& shape : scene.shapes) {
     if (!shape.is_of_body) continue;  // checked as walls
     const Body& body = scene.mbd->bodies[shape.body.value];

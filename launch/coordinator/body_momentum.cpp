@@ -50,7 +50,7 @@ Driven driven_by_forces(const scene::Mbd& mbd) {
   return driven;
 }
 
-// Whether other bodies push the body by contacts, whose impulses the coordinator does not know.
+// Whether other bodies push the body by contacts.
 bool touches_bodies(const scene::Scene& scene, BodyId body) {
   return scene.contact && std::ranges::any_of(scene.shapes, [&](const scene::Shape& shape) {
            return shape.use == scene::ShapeUse::contact && shape.body == body;
@@ -82,8 +82,8 @@ BodyMomentum::BodyMomentum(const scene::Scene& scene) : gravity_(scene.gravity) 
   const Driven driven = driven_by_forces(mbd);
   for (const scene::Wall& wall : scene.dem->walls) {
     const std::uint32_t index = wall.body.value;
-    if (wall.body == ground || driven.bodies.contains(index) || touches_bodies(scene, wall.body)) continue;
-    Watched watched{mbd.bodies[index], {}};
+    if (wall.body == ground || driven.bodies.contains(index)) continue;
+    Watched watched{mbd.bodies[index], {}, touches_bodies(scene, wall.body)};
     bool known = true;
     for (std::uint32_t j = 0; j < mbd.joints.size(); ++j) {
       const scene::Joint& joint = mbd.joints[j];
@@ -93,26 +93,55 @@ BodyMomentum::BodyMomentum(const scene::Scene& scene) : gravity_(scene.gravity) 
               !driven.joints.contains(j);
       watched.joint = joint;
     }
+    // Within a window the lever of a contact about a hinge is not known.
+    if (watched.touches && watched.joint && watched.joint->type == scene::JointType::revolute) known = false;
     if (known) watched_.emplace(index, watched);
   }
 }
 
 void BodyMomentum::record(const Exchange& exchange) {
-  const double H = exchange.motion.window.length();
-  for (const protocol::BodyMotion& motion : exchange.motion.bodies) {
+  waiting_.clear();
+  bodies_ = exchange.motion.bodies.size();
+  for (std::size_t k = 0; k < bodies_; ++k) {
+    const protocol::BodyMotion& motion = exchange.motion.bodies[k];
     const auto found = watched_.find(motion.body);
     if (found == watched_.end()) continue;
     const auto sent = std::ranges::find(exchange.applied.bodies, motion.body, &protocol::BodyLoad::body);
     const Wrench load = sent == exchange.applied.bodies.end() ? Wrench{} : sent->mean;
-    const Watched& watched = found->second;
-    Sums& sums = sums_[motion.body];
-    if (!watched.joint)
-      record_free(watched, motion, load, H, sums);
-    else if (watched.joint->type == scene::JointType::revolute)
-      record_hinge(watched, motion, load, H, sums);
+    if (found->second.touches)
+      waiting_.push_back({motion, load, exchange.motion.window.length(), k});
     else
-      record_slide(watched, motion, load, H, sums);
+      record(found->second, motion, load, exchange.motion.window.length());
   }
+}
+
+void BodyMomentum::record(const Watched& watched, const protocol::BodyMotion& motion, const Wrench& load,
+                          double H) {
+  Sums& sums = sums_[motion.body];
+  if (!watched.joint)
+    record_free(watched, motion, load, H, sums);
+  else if (watched.joint->type == scene::JointType::revolute)
+    record_hinge(watched, motion, load, H, sums);
+  else
+    record_slide(watched, motion, load, H, sums);
+}
+
+// The impulse of contacts in the window is the change since the last frame.
+void BodyMomentum::observe(const protocol::BodiesFrame& frame) {
+  const std::size_t size = frame.contacts.size();
+  for (const Waiting& w : waiting_) {
+    if (size != 6 * bodies_ + 1) break;  // the participant has no such account
+    const auto change = [&](std::size_t i) {
+      const std::size_t at = 6 * w.index + i;
+      return (frame.contacts[at] - (contacts_.size() == size ? contacts_[at] : 0)) / w.length;
+    };
+    const Wrench together{
+        {w.load.force.x + change(3), w.load.force.y + change(4), w.load.force.z + change(5)},
+        {w.load.torque.x + change(0), w.load.torque.y + change(1), w.load.torque.z + change(2)}};
+    record(watched_.at(w.motion.body), w.motion, together, w.length);
+  }
+  waiting_.clear();
+  contacts_ = frame.contacts;
 }
 
 void BodyMomentum::record_free(const Watched& watched, const protocol::BodyMotion& motion, const Wrench& load,
@@ -168,6 +197,9 @@ void BodyMomentum::record_slide(const Watched& watched, const protocol::BodyMoti
 
 void BodyMomentum::save_or_restore(Archive& archive, std::size_t bodies) {
   archive("body_momentum", sums_);
+  archive("body_momentum/contacts", contacts_);
+  for (const double value : contacts_)
+    archive.expect(std::isfinite(value), "body_momentum/contacts", "a value is not finite");
   for (const auto& [index, sums] : sums_) {
     archive.expect(index < bodies, "body_momentum.keys", "there is no such body");
     for (const double sum : {sums.residual, sums.impulse, sums.angular_residual, sums.angular_impulse})

@@ -27,6 +27,7 @@ void Coupler::observe(const protocol::BodiesFrame& frame) {
   motion_watch_.observe(frame.time, frame.bodies);
   joint_watch_.observe(frame);
   energy_watch_.observe(frame);
+  body_momentum_.observe(frame);
 }
 
 Window Coupler::next(Nanoseconds limit) const {

@@ -131,7 +131,18 @@ std::string describe_contact(const Scene& scene) {
   };
   std::ranges::for_each(scene.shapes, add);
   std::ranges::for_each(scene.contact->ground, add);
-  return table.print();
+
+  const auto names = [&](const std::vector<ContactSide>& sides) {
+    std::string list;
+    for (const ContactSide& side : sides)
+      list += (list.empty() ? "" : ", ") + scene.body_name(side.body) +
+              (side.shape.empty() ? "" : "/" + side.shape);
+    return list.empty() ? "all others" : list;
+  };
+  Table outputs("outputs of contacts", {"name", "forces on", "from"});
+  for (const ContactOutput& output : scene.contact->outputs)
+    outputs.add({output.name, names(output.on), names(output.from)});
+  return table.print() + outputs.print();
 }
 
 std::string describe_mbd(const SceneFile& file, const DryRun* started) {

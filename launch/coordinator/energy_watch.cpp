@@ -26,8 +26,9 @@ EnergyWatch::EnergyWatch(const scene::Scene& scene) : gravity_(scene.gravity) {
   if (!scene.mbd) return;
   const scene::Mbd& mbd = *scene.mbd;
   known_ =
-      !scene.contact && std::ranges::all_of(mbd.forces, has_known_energy) &&
+      std::ranges::all_of(mbd.forces, has_known_energy) &&
       std::ranges::none_of(mbd.joints, [](const scene::Joint& joint) { return joint.limits.has_value(); });
+  touches_ = scene.contact.has_value();
   bodies_ = mbd.bodies;
   const auto on_body = [&](BodyId body, Vec3d point) {
     if (body == ground) return point;
@@ -61,12 +62,13 @@ EnergyWatch::Energy EnergyWatch::energy_of(const protocol::BodiesFrame& frame) c
         norm(place(spring.body_b, spring.point_b) - place(spring.body_a, spring.point_a)) - spring.length;
     energy.stored += 0.5 * spring.stiffness * stretch * stretch;
   }
+  if (touches_) energy.stored += frame.contacts.back();
   energy.potential += energy.stored;
   return energy;
 }
 
 void EnergyWatch::observe(const protocol::BodiesFrame& frame) {
-  if (!known_ || frame.bodies.size() != bodies_.size()) return;
+  if (!known_ || frame.bodies.size() != bodies_.size() || (touches_ && frame.contacts.empty())) return;
   const Energy now = energy_of(frame);
   if (first_.frames++ == 0) {
     // A prestressed spring stores energy of which the rounding remains.

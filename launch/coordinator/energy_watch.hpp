@@ -1,7 +1,7 @@
 // Whether the energy of the bodies in the frames is that of their poses and velocities: kinetic energy,
-// energy in gravity and in linear springs, by the masses and inertias of the scene. Not known where anything
-// else stores energy. Energies are compared with that of the first frame, because the level of gravity is
-// open.
+// energy in gravity and in linear springs, by the masses and inertias of the scene, and the energy of
+// contacts between bodies where frames have it. Not known where anything else stores energy. Energies are
+// compared with that of the first frame, because the level of gravity is open.
 #pragma once
 
 #include <optional>
@@ -39,7 +39,7 @@ class EnergyWatch {
   };
   Energy energy_of(const protocol::BodiesFrame& frame) const;
 
-  bool known_ = false;
+  bool known_ = false, touches_ = false;
   std::vector<scene::Body> bodies_;
   Vec3d gravity_;
   std::vector<Spring> springs_;

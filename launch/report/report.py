@@ -178,12 +178,14 @@ def joint_charts(joints, units):
 PANELS = [("torque", ("torque", "brake_torque")), ("force", ("force",)), ("tension", ("tension",)),
           ("speed", ("speed", "target_speed")), ("velocity", ("velocity",)), ("stroke", ("stroke", "target_stroke")),
           ("length and slack", ("length", "slack")), ("pressure", ("pressure_a", "pressure_b")), ("flow", ("flow_a", "flow_b")),
+          ("friction", ("friction",)), ("normal force", ("normal_force",)), ("depth", ("depth",)), ("points", ("points",)),
+          ("centre of pressure", ("centre",)),
           ("power", ("power", "supply_power", "loss_power")),
           ("energy", ("energy", "supply_energy", "stored_energy", "loss_energy")),
           ("mass", ("mass", "passed")), ("mass flow", ("flow",)), ("solid fraction", ("solid_fraction",)),
           ("momentum", ("momentum",)), ("kinetic energy", ("kinetic_energy",))]
 # The first ones get charts first.
-DRIVEN = ("motor", "actuator", "cylinder", "joint")
+DRIVEN = ("motor", "actuator", "cylinder", "joint", "contact")
 PANELS_IN_A_ROW = 4
 
 

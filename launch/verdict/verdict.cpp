@@ -378,6 +378,24 @@ std::vector<Rule> make_rules() {
              f.value);
        }});
   table.push_back(
+      {"contact_depth", "mbd_contact_depth_share", 0.1,
+       "points and normals of a contact are those of shapes that hardly overlap; loads at rest press by much "
+       "less, and at the middle of the thinner shape the run ends",
+       "more stiffness of the materials in `mbd.contact`", fixed,
+       [](const RunFigures& run) { return of_run(run.facts.mbd.contact_depth); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         // Depth grows with force / stiffness, and that of an impact with 1 / sqrt(stiffness).
+         const double ratio = f.value / limit;
+         return fmt::format(
+             "{} pressed into each other by {:.2g} of the thinner one at t = {:.6g} s (limit {:.2g}): give "
+             "their "
+             "materials {:.2g} times the stiffness where a load presses them, {:.2g} times where they hit "
+             "each "
+             "other",
+             run.facts.mbd.contact_depth_of.value_or("two shapes"), f.value,
+             run.facts.mbd.contact_depth_at.value_or(0), limit, ratio, ratio * ratio);
+       }});
+  table.push_back(
       {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
        "an impact sometimes needs a step in parts, which is as accurate as others; at one step "
        "in a hundred the step is too long for the machine",
@@ -517,8 +535,10 @@ std::vector<Rule> make_rules() {
   table.push_back(
       {"body_momentum", "border.BODY.momentum_residual", 1e-3,
        "momentum that a body gets, against the impulses of load and gravity, where nothing else acts in its "
-       "free direction: no joint and no force, or a slide of the ground; a method that is exact for constant "
-       "forces, as most are, leaves rounding, and mbd_server 2e-14",
+       "free direction: no joint and no force, or a slide of the ground; contacts with other bodies count by "
+       "the "
+       "impulses that the participant tells; a method that is exact for constant forces, as most are, leaves "
+       "rounding, and mbd_server 2e-14",
        "a participant that applies all of the load and gravity to the mass of the scene", fixed,
        [](const RunFigures& run) { return residuals_of_bodies(run, "momentum_residual"); },
        [](const RunFigures&, const Figure& f, double limit) {

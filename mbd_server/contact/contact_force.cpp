@@ -34,6 +34,27 @@ NormalForce normal_force(const ContactLaw& law, double depth, double gap_rate, d
   return {elastic * grip, elastic * (n / depth * grip - by_depth * gap_rate), -elastic * c};
 }
 
+using Row6d = Eigen::Matrix<double, 1, 6>;
+
+// A force or moment along the surfaces, and its changes.
+struct Bounded {
+  Vector3d value;
+  Matrix3x6d by_a, by_b, by_velocity;
+
+  // Bounds its size by c N, where dN are the changes of N. Returns whether it was larger.
+  bool bound(double c, double N, const Row6d& dN_a, const Row6d& dN_b, const Row6d& dN_v) {
+    const double most = c * N, size = value.norm();
+    if (!(size > most)) return false;
+    const Vector3d direction = value / size, by_normal = c * direction;
+    const Matrix3d rest = most / size * (Matrix3d::Identity() - direction * direction.transpose());
+    value = most * direction;
+    by_a = by_normal * dN_a + rest * by_a;
+    by_b = by_normal * dN_b + rest * by_b;
+    by_velocity = by_normal * dN_v + rest * by_velocity;
+    return true;
+  }
+};
+
 // Matrix of V -> V x X for a motion X: the change of a velocity X that is fixed in a link.
 Matrix6d turning_matrix(const Vector6d& V) {
   Matrix6d m = Matrix6d::Zero();
@@ -54,15 +75,30 @@ double impact_depth(const ContactLaw& law, double mass, double rate) {
   return std::pow((n + 1) * mass * rate * rate / (2 * law.stiffness), 1 / (n + 1));
 }
 
-double power(const Model& model, const ContactColumn& column, double gap, double gap_rate,
-             const Vector3d& stretch, const Vector3d& sliding) {
+double rolling_radius(const ContactFeature& feature) {
+  double curvature = 0;
+  for (const double radius : {feature.radius_a, feature.radius_b})
+    if (radius > 0) curvature += 1 / radius;
+  return curvature > 0 ? 1 / curvature : 0;
+}
+
+double power(const Model& model, const ContactColumn& column, const ContactMotion& motion) {
   const ContactLaw law = model.contact.law(static_cast<int>(column[ContactRow::shape_a]),
                                            static_cast<int>(column[ContactRow::shape_b]));
-  const double normal =
-      normal_force(law, -gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::mass]).force;
-  const Vector3d trial = -column[ContactRow::stiffness] * stretch - column[ContactRow::damping] * sliding;
-  const double size = trial.norm(), most = law.friction * normal;
-  return normal * gap_rate + (size > most ? most / size : 1) * trial.dot(sliding);
+  const double normal = normal_force(law, -motion.gap, motion.gap_rate, column[ContactRow::entry_rate],
+                                     column[ContactRow::mass])
+                            .force;
+  // Of a spring and a damper that give at most `most`.
+  const auto of = [](double k, double c, const Vector3d& stretch, const Vector3d& rate, double most) {
+    const Vector3d trial = -k * stretch - c * rate;
+    const double size = trial.norm();
+    return (size > most ? most / size : 1) * trial.dot(rate);
+  };
+  return normal * motion.gap_rate +
+         of(column[ContactRow::stiffness], column[ContactRow::damping], motion.stretch, motion.sliding,
+            law.friction * normal) +
+         of(column[ContactRow::rolling_stiffness], column[ContactRow::rolling_damping], motion.bend,
+            motion.rolling, law.rolling_friction * column[ContactRow::rolling_radius] * normal);
 }
 
 ContactFeature feature_of(const ContactColumn& column) {
@@ -110,63 +146,87 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   const double along_n = n.dot(s);
   f.stretch = s - along_n * n;
   f.energy += 0.5 * k * f.stretch.squaredNorm();
+
+  const double k_r = column[ContactRow::rolling_stiffness], c_r = column[ContactRow::rolling_damping];
+  const bool may_roll = k_r > 0;
+  Vector3d d_a, d_b;  // the directions on the two links: a rotation w changes d by w x d
+  const Vector3d w = V.head<3>();
+  if (may_roll) {
+    d_a = a.R_WL * column.segment<3>(ContactRow::roll_a),
+    d_b = b.R_WL * column.segment<3>(ContactRow::roll_b);
+    f.bend = n.cross(d_b - d_a);
+    f.rolling = w - n.dot(w) * n;
+    f.energy += 0.5 * k_r * f.bend.squaredNorm();
+  }
   if (!(f.normal > 0)) return f;
+  const double most = law.friction * f.normal,
+               most_rolling = law.rolling_friction * column[ContactRow::rolling_radius] * f.normal;
+  f.force = f.normal * n;
   if (derivatives == Derivatives::without) {
-    f.force = f.normal * n;
-    if (!(law.friction > 0)) return f;
-    f.friction = -k * f.stretch - c * (f.velocity - gap_rate * n);
-    const double most = law.friction * f.normal, size = f.friction.norm();
-    f.slides = size > most;
-    if (f.slides) f.friction = most * Vector3d(f.friction / size);
+    const auto bounded = [](const Vector3d& trial, double limit, bool& beyond) {
+      const double size = trial.norm();
+      beyond = size > limit;
+      return Vector3d(beyond ? limit / size * trial : trial);
+    };
+    if (law.friction > 0)
+      f.friction = bounded(-k * f.stretch - c * (f.velocity - gap_rate * n), most, f.slides);
+    if (may_roll) f.torque = bounded(-k_r * f.bend - c_r * f.rolling, most_rolling, f.rolls);
     f.force += f.friction;
     return f;
   }
 
   // Changes per displacement of a and of b.
   const Matrix3x6d L = at_point_matrix(p);
-  const Matrix3d turn = skew(V.head<3>());
-  const Matrix3x6d dv_a = L * turning_matrix(a.V) + turn * t.dp_a,
-                   dv_b = -L * turning_matrix(b.V) + turn * t.dp_b;
-  using Row6d = Eigen::Matrix<double, 1, 6>;
+  const Matrix6d turn_a = turning_matrix(a.V), turn_b = turning_matrix(b.V);
+  const Matrix3d turn = skew(w);
+  const Matrix3x6d dv_a = L * turn_a + turn * t.dp_a, dv_b = -L * turn_b + turn * t.dp_b;
   const Row6d n_at = n.transpose() * L;
   const Row6d dN_a = normal.by_depth * n_at +
                      normal.by_rate * (f.velocity.transpose() * t.dn_a + n.transpose() * dv_a),
               dN_b = -normal.by_depth * n_at +
                      normal.by_rate * (f.velocity.transpose() * t.dn_b + n.transpose() * dv_b);
   const Row6d dN_v = normal.by_rate * n_at;
-  f.force = f.normal * n;
   Matrix3x6d dF_a = n * dN_a + f.normal * t.dn_a, dF_b = n * dN_b + f.normal * t.dn_b, dF_v = n * dN_v;
+  const Matrix3d across = Matrix3d::Identity() - n * n.transpose();
 
   if (law.friction > 0) {
-    const Matrix3d across = Matrix3d::Identity() - n * n.transpose();
     const Vector3d v_t = f.velocity - gap_rate * n;
-    Vector3d trial = -k * f.stretch - c * v_t;
     const auto change = [&](const Matrix3x6d& ds, const Matrix3x6d& dv, const Matrix3x6d& dn) {
       const Matrix3x6d d_stretch = across * ds - along_n * dn - n * (s.transpose() * dn),
                        d_velocity = across * dv - gap_rate * dn - n * (f.velocity.transpose() * dn);
       return Matrix3x6d(-k * d_stretch - c * d_velocity);
     };
-    Matrix3x6d dT_a = change(-at_point_matrix(x_a), dv_a, t.dn_a),
-               dT_b = change(at_point_matrix(x_b), dv_b, t.dn_b), dT_v = -c * across * L;
-    const double most = law.friction * f.normal, size = trial.norm();
-    if (size > most) {
-      f.slides = true;
-      const Vector3d direction = trial / size;
-      const Matrix3d rest = most / size * (Matrix3d::Identity() - direction * direction.transpose());
-      const Vector3d by_normal = law.friction * direction;
-      trial = most * direction;
-      dT_a = by_normal * dN_a + rest * dT_a;
-      dT_b = by_normal * dN_b + rest * dT_b;
-      dT_v = by_normal * dN_v + rest * dT_v;
-    }
-    f.friction = trial;
-    f.force += trial;
-    dF_a += dT_a, dF_b += dT_b, dF_v += dT_v;
+    Bounded friction{-k * f.stretch - c * v_t, change(-at_point_matrix(x_a), dv_a, t.dn_a),
+                     change(at_point_matrix(x_b), dv_b, t.dn_b), -c * across * L};
+    f.slides = friction.bound(law.friction, f.normal, dN_a, dN_b, dN_v);
+    f.friction = friction.value;
+    f.force += f.friction;
+    dF_a += friction.by_a, dF_b += friction.by_b, dF_v += friction.by_velocity;
   }
   const Matrix3d arm = skew(p), force = skew(f.force);
   f.by_a << arm * dF_a - force * t.dp_a, dF_a;
   f.by_b << arm * dF_b - force * t.dp_b, dF_b;
   f.by_velocity << arm * dF_v, dF_v;
+
+  if (may_roll) {
+    const Vector3d d = d_b - d_a;
+    const double spin = n.dot(w);
+    const auto change = [&](const Matrix3d& dd, const Matrix3x6d& dw, const Matrix3x6d& dn) {
+      Matrix3x6d d_bend = -skew(d) * dn;
+      d_bend.leftCols<3>() += skew(n) * dd;
+      return Matrix3x6d(-k_r * d_bend - c_r * (across * dw - spin * dn - n * (w.transpose() * dn)));
+    };
+    Matrix3x6d by_velocity = Matrix3x6d::Zero();
+    by_velocity.leftCols<3>() = -c_r * across;
+    Bounded moment{-k_r * f.bend - c_r * f.rolling, change(skew(d_a), turn_a.topRows<3>(), t.dn_a),
+                   change(-skew(d_b), -turn_b.topRows<3>(), t.dn_b), by_velocity};
+    f.rolls =
+        moment.bound(law.rolling_friction * column[ContactRow::rolling_radius], f.normal, dN_a, dN_b, dN_v);
+    f.torque = moment.value;
+    f.by_a.topRows<3>() += moment.by_a;
+    f.by_b.topRows<3>() += moment.by_b;
+    f.by_velocity.topRows<3>() += moment.by_velocity;
+  }
   return f;
 }
 

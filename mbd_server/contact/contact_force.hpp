@@ -10,6 +10,12 @@
 // Friction is that of a spring and a damper along the surfaces, -k_t s - c_t v_t, at most mu N. s is the
 // distance along the surfaces of two points that are fixed to the two links while the contact sticks
 // (State::contacts). So a contact that sticks does not creep, however long it lasts.
+//
+// Rolling friction is a moment across the normal, -k_r f - c_r w_t, at most mu_r R* N; f is the rotation of b
+// relative to a across the normal, held like s by two directions that are fixed to the two links, and w_t its
+// rate. 1/R* is the sum of the curvatures of the round surfaces at the point: faces, edges and corners count
+// as flat. The spring is that of friction at this radius, k_r = k_t R*^2 and c_r = c_t R*^2 [Iwashita1998],
+// so that it holds and slips like friction of the coefficient mu_r.
 #pragma once
 
 #include "mbd_server/contact/touch.hpp"
@@ -26,6 +32,11 @@ struct ContactForce {
   double gap = 0;                        // [m]
   double energy = 0;                     // stored in both springs [J]
   bool slides = false;                   // friction is mu N
+  Vector3d torque = Vector3d::Zero();    // of rolling friction, on b; a gets the opposite [N m]
+  Vector3d bend = Vector3d::Zero();      // f [rad]
+  Vector3d rolling = Vector3d::Zero();   // w_t [rad/s]
+  bool rolls = false;                    // the moment is mu_r R* N
+  double power() const { return force.dot(velocity) + torque.dot(rolling); }  // on both links [W]
   // Change of the wrench on b in the world per displacement of a and of b, and per velocity of b relative to
   // a.
   Matrix6d by_a = Matrix6d::Zero(), by_b = by_a, by_velocity = by_a;
@@ -40,10 +51,18 @@ void set_feature(const ContactFeature& feature, Eigen::Ref<ContactColumn> column
 ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
                       Derivatives derivatives = Derivatives::with);
 
-// Power of the force at a point on the two links, from the quantities of a ContactForce alone: negative where
-// the point stores or dissipates energy [W].
-double power(const Model& model, const ContactColumn& column, double gap, double gap_rate,
-             const Vector3d& stretch, const Vector3d& sliding);
+// Radius R* of the rolling friction at a feature [m]; 0: none of its surfaces is round.
+double rolling_radius(const ContactFeature& feature);
+
+// How a point moves: what its force and its power follow from.
+struct ContactMotion {
+  double gap = 0, gap_rate = 0;                            // [m], [m/s]
+  Vector3d stretch = Vector3d::Zero(), sliding = stretch;  // along the surfaces [m], [m/s]
+  Vector3d bend = Vector3d::Zero(), rolling = bend;        // across the normal [rad], [rad/s]
+};
+// Power of the force and moment at a point on the two links: negative where the point stores or dissipates
+// energy [W].
+double power(const Model& model, const ContactColumn& column, const ContactMotion& motion);
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);
 // Largest depth of an impact of that mass at that rate, without damping [m].

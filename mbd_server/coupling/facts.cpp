@@ -143,6 +143,11 @@ std::string report_facts(const RunFigures& f) {
   facts.sharpest_turn_at = f.totals.sharpest_turn_at;
   facts.sharpest_turn_loop = f.sharpest_turn_loop;
   facts.cavitated = f.totals.cavitated;
+  if (f.body_contacts) {
+    facts.contact_depth = f.totals.contact_depth;
+    facts.contact_depth_of = f.deepest_contact;
+    facts.contact_depth_at = f.totals.contact_depth_at;
+  }
   facts.size = f.size;
   facts.periods_per_step = f.periods_per_step;
   facts.warnings = run_warnings(f);
@@ -174,6 +179,9 @@ std::string report_facts(const RunFigures& f) {
   if (f.body_contacts) {
     others["mbd_body_contacts"] = f.body_contacts->contacts;
     others["mbd_body_contact_steps"] = f.body_contacts->steps;
+    others["mbd_contact_dissipated_J"] = f.totals.contact_loss;
+    others["mbd_largest_contact_force_N"] = f.totals.contact_force;
+    others["mbd_largest_contact_force_at_s"] = f.totals.contact_force_at;
   }
   if (!f.elements.empty()) others["mbd_elements_end"] = elements_of(f.elements);
   add_error_facts(f.error, facts, others);

@@ -38,6 +38,7 @@ struct RunFigures {
   std::string most_loaded_joint;   // empty: there is none
   std::string sharpest_turn_loop;  // name of its closure; empty: there is none
   std::string cavitated;           // name of the first cylinder that cavitated; empty: none has
+  std::string deepest_contact;     // names of its two shapes; empty: none touched
   std::vector<ElementObservation> elements;
   RunTotals totals;
   ErrorEstimate error;

@@ -148,6 +148,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
   totals_ = {};
   totals_.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
   totals_.energy.lost_of = totals_.energy.work_of;
+  if (!model.contact.empty()) totals_.contact_impulses.assign(6 * model.boundary.size(), 0);
   prescribed_.clear();
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (model.links[i].motion != none) prescribed_.push_back(static_cast<LinkIndex>(i));
@@ -365,6 +366,8 @@ const protocol::BodiesFrame& MbdSolver::observe() {
                         joints[j].reaction};
   frame_.energy = energy(m.model, state_, links);
   m.elements.observe(state_, m.system, totals_.energy, frame_.elements);
+  frame_.contacts = totals_.contact_impulses;
+  if (!m.model.contact.empty()) frame_.contacts.push_back(contact_energy(m.model, state_, links));
   return frame_;
 }
 
@@ -375,6 +378,7 @@ protocol::Report MbdSolver::report() {
   const double now = energy(m.model, state_, m.system.links());
   const auto loaded = static_cast<std::ptrdiff_t>(totals_.largest_reaction_joint);
   const auto cavitated = static_cast<std::ptrdiff_t>(totals_.cavitated_element);
+  const auto deepest = static_cast<int>(totals_.contact_depth_a);
   const auto turned = static_cast<std::ptrdiff_t>(totals_.sharpest_turn_closure);
   RunFigures figures{
       .state_hash = hash(state_),
@@ -396,6 +400,10 @@ protocol::Report MbdSolver::report() {
       .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
       .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
       .cavitated = cavitated < 0 ? "" : m.model.elements[static_cast<std::size_t>(cavitated)].name,
+      .deepest_contact = deepest < 0
+                             ? ""
+                             : m.model.contact.shape(deepest).name + " and " +
+                                   m.model.contact.shape(static_cast<int>(totals_.contact_depth_b)).name,
       .elements = observe_elements(m.model, state_, m.system.links()),
       .totals = totals_,
       .error = {}};

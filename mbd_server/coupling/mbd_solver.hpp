@@ -86,6 +86,7 @@ class MbdSolver final : public protocol::MotionSolver {
   bool sums_local_errors() const;
   void record_local_error(double h);
   void record_step(double h);
+  void record_contacts();
   void record_jump(double energy);
   void watch_energy();
   void record_energy();

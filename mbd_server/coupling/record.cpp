@@ -57,12 +57,30 @@ void MbdSolver::record_step(double h) {
   machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
   machine_->contacts.take_lost(
       [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
-  if (!machine_->model.contact.empty())
-    totals_.energy.add(&EnergySums::dissipated, machine_->touching.take_lost());
+  if (!machine_->model.contact.empty()) record_contacts();
   record_local_error(h);
   watch_energy();
   record_turn();
   if (state_.z.size() > 0) record_cavitation(h);
+}
+
+void MbdSolver::record_contacts() {
+  const double lost = machine_->touching.take_lost();
+  totals_.energy.add(&EnergySums::dissipated, lost);
+  totals_.contact_loss += lost;
+  machine_->touching.take_lost_of_outputs([this](double energy, int account) {
+    totals_.energy.lost_of[static_cast<std::size_t>(account)] += energy;
+  });
+  const auto& impulses = machine_->touching.impulses();
+  for (Eigen::Index i = 0; i < impulses.size(); ++i)
+    totals_.contact_impulses[static_cast<std::size_t>(i)] += impulses.data()[i];
+  const ContactExtremes& now = machine_->touching.extremes();
+  if (now.force > totals_.contact_force)
+    totals_.contact_force = now.force, totals_.contact_force_at = state_.time;
+  if (now.depth_share > totals_.contact_depth) {
+    totals_.contact_depth = now.depth_share, totals_.contact_depth_at = state_.time;
+    totals_.contact_depth_a = now.shape_a, totals_.contact_depth_b = now.shape_b;
+  }
 }
 
 // Work of the impulses that prescribed rates give where they jump. Where several jump at one instant, the

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "mbd_server/contact/contact_force.hpp"
 #include "mbd_server/forces/bushing.hpp"
 #include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/forces/joint_force.hpp"
@@ -77,6 +79,7 @@ void ElementObserver::observe(const State& state, const MachineSystem& system, c
   observe_springs(system, values);
   observe_tyres(state, system, values);
   observe_loads(state, system, values);
+  observe_contacts(state, system, values);
 }
 
 void ElementObserver::observe_joints(const State& state, const MachineSystem& system, Values& values) const {
@@ -236,6 +239,51 @@ void ElementObserver::observe_loads(const State& state, const MachineSystem& sys
     const Vector3d rate = load.torque ? Vector3d(link.V.head<3>()) : link.velocity(link.point(load.at.p_LP));
     values.add(load.account, load.torque ? Channel::torque : Channel::force, size);
     values.add(load.account, Channel::power, size * direction.dot(rate));
+  }
+}
+
+void ElementObserver::observe_contacts(const State& state, const MachineSystem& system,
+                                       Values& values) const {
+  const BodyContactModel& contact = model_.contact;
+  if (contact.outputs.empty()) return;
+  const std::vector<LinkMotion>& links = system.links();
+  contacts_.assign(contact.outputs.size(), {});
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto a = static_cast<int>(state.contacts(ContactRow::shape_a, k)),
+               b = static_cast<int>(state.contacts(ContactRow::shape_b, k));
+    std::optional<ContactForce> f;
+    contact.for_each_output(a, b, [&](int i, double sign) {
+      if (!f) f = evaluate(model_, state.contacts.col(k), links, Derivatives::without);
+      OfContacts& sum = contacts_[static_cast<std::size_t>(i)];
+      sum.force += sign * f->force, sum.friction += sign * f->friction;
+      sum.torque += sign * wrench_at(f->p, f->force, f->torque).head<3>();
+      sum.moment += f->normal * f->p;
+      sum.normal += f->normal, sum.depth = std::max(sum.depth, -f->gap), sum.points += 1;
+      sum.power += f->power(), sum.energy += f->energy;
+    });
+  }
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const ContactOutput& output = contact.outputs[i];
+    const OfContacts& sum = contacts_[i];
+    // Positions in the model are relative to its origin.
+    Vector3d about = -model_.origin, centre = Vector3d::Zero();
+    if (output.body != none) {
+      const BodyOnLink& body = model_.bodies[output.body];
+      about = links[body.link].point(body.p_LB);
+    }
+    if (sum.normal > 0) centre = model_.origin + sum.moment / sum.normal;
+    const Vector3d torque = sum.torque - about.cross(sum.force);
+    for (int axis = 0; axis < 3; ++axis) {
+      values.add(output.account, Channel::force, sum.force[axis], axis);
+      values.add(output.account, Channel::torque, torque[axis], axis);
+      values.add(output.account, Channel::friction, sum.friction[axis], axis);
+      values.add(output.account, Channel::centre, centre[axis], axis);
+    }
+    values.add(output.account, Channel::normal_force, sum.normal);
+    values.add(output.account, Channel::depth, sum.depth);
+    values.add(output.account, Channel::points, sum.points);
+    values.add(output.account, Channel::power, sum.power);
+    values.add(output.account, Channel::stored_energy, sum.energy);
   }
 }
 

@@ -32,7 +32,13 @@ class ElementObserver {
   void observe_springs(const MachineSystem& system, Values& values) const;
   void observe_tyres(const State& state, const MachineSystem& system, Values& values) const;
   void observe_loads(const State& state, const MachineSystem& system, Values& values) const;
+  void observe_contacts(const State& state, const MachineSystem& system, Values& values) const;
 
+  // What the points of one output do together at an instant.
+  struct OfContacts {
+    Vector3d force = Vector3d::Zero(), friction = force, torque = force, moment = force;  // N times point
+    double normal = 0, depth = 0, points = 0, power = 0, energy = 0;
+  };
   // Of one element: first column of each channel, or none; and whether it is a force of the scene.
   struct Account {
     std::array<int, static_cast<std::size_t>(scene::Channel::count)> first{};
@@ -41,7 +47,8 @@ class ElementObserver {
   const Model& model_;
   std::size_t columns_ = 0;
   std::vector<Account> accounts_;
-  std::vector<double> stored_at_start_;  // by motors and cylinders (elements of the model) [J]
+  mutable std::vector<OfContacts> contacts_;  // (outputs of contacts)
+  std::vector<double> stored_at_start_;       // by motors and cylinders (elements of the model) [J]
 };
 
 }  // namespace tandem::mbd

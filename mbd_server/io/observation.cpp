@@ -106,7 +106,7 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
   };
   for_each_contact(model_, state, links,
                    [&](const ContactShape& a, const ContactShape& b, const ContactForce& f) {
-                     const Vector6d wrench = wrench_at(f.p, f.force);
+                     const Vector6d wrench = wrench_at(f.p, f.force, f.torque);
                      apply(b.body, wrench);
                      apply(a.body, -wrench);
                    });
@@ -169,13 +169,19 @@ double energy(const Model& model, const State& state, const std::vector<LinkMoti
   return sum;
 }
 
+double contact_energy(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
+  double sum = 0;
+  for_each_contact(model, state, links,
+                   [&](const ContactShape&, const ContactShape&, const ContactForce& f) { sum += f.energy; });
+  return sum;
+}
+
 double potential_energy(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
   double sum = 0;
   for (const BodyOnLink& body : model.bodies)
     sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
-  for_each_contact(model, state, links,
-                   [&](const ContactShape&, const ContactShape&, const ContactForce& f) { sum += f.energy; });
+  sum += contact_energy(model, state, links);
   for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
   for (const RopeOnLinks& rope : model.ropes) {
     const double e = std::max(0.0, stretch_of(rope, links).elongation);
@@ -228,6 +234,7 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
   for (const Spring& spring : model.springs) sum += evaluate(spring, links).on_b.norm();
   for_each_contact(model, state, links, [&](const ContactShape&, const ContactShape&, const ContactForce& f) {
     sum += f.force.norm();
+    torques += f.torque.norm();
   });
   for (const TyreOnLink& tyre : model.tyres) sum += evaluate(tyre, state, links).force.norm();
   for (const BushingOnLinks& bushing : model.bushings) {

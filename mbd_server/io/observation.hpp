@@ -49,6 +49,8 @@ class JointObserver {
 // Kinetic energy, potential energy of gravity (zero at the origin), energy of springs, bushings, stops and
 // compressed oil [J].
 double energy(const Model& model, const State& state, const std::vector<LinkMotion>& links);
+// Energy that contacts between bodies store, a part of it [J].
+double contact_energy(const Model& model, const State& state, const std::vector<LinkMotion>& links);
 // The same without the kinetic energy [J].
 double potential_energy(const Model& model, const State& state, const std::vector<LinkMotion>& links);
 

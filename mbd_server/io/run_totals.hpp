@@ -50,6 +50,14 @@ struct RunTotals {
   // Of hydraulic cylinders, at the ends of steps: time below the cavitation pressure, first instant of it,
   // lowest pressure there, and element of the model [s], [s], [Pa]; -1: none.
   double cavitated = 0, cavitated_at = 0, lowest_pressure = 0, cavitated_element = -1;
+  // Of contacts between bodies, at the ends of steps: dissipated energy, largest normal force of a point,
+  // largest depth over that from the surface to the middle of the thinner shape, instants, and shapes of that
+  // depth [J], [N], [-], [s]; -1: none.
+  double contact_loss = 0, contact_force = 0, contact_force_at = 0;
+  double contact_depth = 0, contact_depth_at = 0, contact_depth_a = -1, contact_depth_b = -1;
+  // Their impulse on each boundary body since the start: torque about its centre of mass and force, world
+  // axes [N m s], [N s] (6 for each boundary body; empty without mbd.contact).
+  std::vector<double> contact_impulses;
 };
 
 // Calls f(name, value) for every number; `totals` is a RunTotals or const RunTotals.
@@ -78,13 +86,21 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("cavitated_at", totals.cavitated_at);
   f("lowest_pressure", totals.lowest_pressure);
   f("cavitated_element", totals.cavitated_element);
+  f("contact_loss", totals.contact_loss);
+  f("contact_force", totals.contact_force);
+  f("contact_force_at", totals.contact_force_at);
+  f("contact_depth", totals.contact_depth);
+  f("contact_depth_at", totals.contact_depth_at);
+  f("contact_depth_a", totals.contact_depth_a);
+  f("contact_depth_b", totals.contact_depth_b);
 }
 
-// Calls f(name, values) for the shares of the elements.
+// Calls f(name, values) for the shares of the elements, and for the impulses of contacts.
 template <class AnyTotals, class F>
-void for_each_share(AnyTotals& totals, F&& f) {
+void for_each_list(AnyTotals& totals, F&& f) {
   f("work_of", totals.energy.work_of);
   f("lost_of", totals.energy.lost_of);
+  f("contact_impulses", totals.contact_impulses);
 }
 
 }  // namespace tandem::mbd

@@ -14,7 +14,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 9;
+constexpr std::uint64_t version = 10;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -58,19 +58,21 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   for_each_total(saved.totals, [&](const std::string& name, double value) {
     if (!std::isfinite(value)) fail("totals/" + name, value, "not finite");
   });
-  for_each_share(saved.totals, [&](const std::string& name, const std::vector<double>& values) {
+  for_each_list(saved.totals, [&](const std::string& name, const std::vector<double>& values) {
     for (const double value : values)
       if (!std::isfinite(value)) fail("totals/" + name, value, "not finite");
   });
   const auto expect_index = [&](const char* name, double index, std::size_t count) {
     if (!(index >= -1 && index < static_cast<double>(count) && index == std::floor(index)))
-      fail(name, index, "no number of a joint or loop of the scene");
+      fail(name, index, "no number of a joint, loop or shape of the scene");
   };
   expect_index("totals/sharpest_turn_closure", saved.totals.sharpest_turn_closure, model.closures.size());
   expect_index("totals/largest_reaction_joint", saved.totals.largest_reaction_joint, model.joints.size());
   if (const double e = saved.totals.cavitated_element;
       !(e >= -1 && e < static_cast<double>(model.elements.size()) && e == std::floor(e)))
     fail("totals/cavitated_element", e, "no number of a motor or cylinder of the scene");
+  expect_index("totals/contact_depth_a", saved.totals.contact_depth_a, model.contact.shapes.size());
+  expect_index("totals/contact_depth_b", saved.totals.contact_depth_b, model.contact.shapes.size());
   constexpr double latest = 9e9;  // [s] latest time that nanoseconds can represent
   if (saved.state.time > latest) fail("time", saved.state.time, "no time of a run");
   if (std::abs(saved.totals.fewest_freedoms) > model.freedoms + model.equations)
@@ -85,7 +87,7 @@ void write_state(const std::filesystem::path& path, const Model& model, const St
   StateWriter file(path, kind, version);
   file.write("machine", machine(model));
   for_each_total(totals, [&](const std::string& name, double value) { file.write("totals/" + name, value); });
-  for_each_share(totals, [&](const std::string& name, const std::vector<double>& values) {
+  for_each_list(totals, [&](const std::string& name, const std::vector<double>& values) {
     file.write("totals/" + name, std::span(values));
   });
   for_each_field(state, [&]<class Field>(const char* name, const Field& field) {
@@ -110,8 +112,10 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   State& state = saved.state;
   for_each_total(saved.totals,
                  [&](const std::string& name, double& value) { file.read("totals/" + name, value); });
-  for_each_share(saved.totals, [&](const std::string& name, std::vector<double>& values) {
-    values.assign(static_cast<std::size_t>(model.accounts), 0);
+  saved.totals.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
+  saved.totals.energy.lost_of = saved.totals.energy.work_of;
+  if (!model.contact.empty()) saved.totals.contact_impulses.assign(6 * model.boundary.size(), 0);
+  for_each_list(saved.totals, [&](const std::string& name, std::vector<double>& values) {
     // Absent where the state was written without totals.
     if (file.size("totals/" + name) > 0) file.read("totals/" + name, std::span(values));
   });
@@ -130,6 +134,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
     state.contacts.setZero(ContactRow::count,
                            static_cast<Eigen::Index>(file.size("contacts")) / ContactRow::count);
     state.touch_step.setZero(1);
+    state.contact_wrench.setZero(6, std::ssize(model.boundary));
   }
   if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {

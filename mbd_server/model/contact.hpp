@@ -48,6 +48,14 @@ struct ContactLaw {
   double tangential_ratio = 0;  // tangential over normal stiffness [-]
   double damping_number = 0;    // of the restitution, see forces/joint_force.hpp [-]
   double friction = 0;          // Coulomb coefficient [-]
+  double rolling_friction = 0;  // largest rolling moment over R* N [-]
+};
+
+// Contacts whose forces on one side are a result (scene::ContactOutput).
+struct ContactOutput {
+  int account = none;          // see Model::accounts
+  int body = none;             // torques are about its centre of mass; none: about the world's origin
+  std::vector<bool> on, from;  // the two sides (shapes)
 };
 
 struct BodyContactModel {
@@ -55,12 +63,26 @@ struct BodyContactModel {
   std::vector<ContactLaw> laws;            // (materials x materials)
   std::vector<std::pair<int, int>> apart;  // bodies that pass through each other, sorted, first < second
   int materials = 0;
+  std::vector<ContactOutput> outputs;
+  std::vector<std::vector<int>> outputs_on;  // outputs on whose side the shape is (shapes; none: no outputs)
 
   bool empty() const { return shapes.empty(); }
   const ContactShape& shape(int i) const { return shapes[static_cast<std::size_t>(i)]; }
   // Whether two shapes touch where they meet.
   bool may_touch(int a, int b) const;
   ContactLaw law(int a, int b) const;
+
+  // Calls f(index of the output, sign) for the outputs that a contact of two shapes belongs to: a force on b
+  // times this sign is the output's.
+  template <class F>
+  void for_each_output(int a, int b, F&& f) const {
+    if (outputs.empty()) return;
+    const auto add = [&](int on, int from, double sign) {
+      for (const int i : outputs_on[static_cast<std::size_t>(on)])
+        if (outputs[static_cast<std::size_t>(i)].from[static_cast<std::size_t>(from)]) f(i, sign);
+    };
+    add(b, a, 1), add(a, b, -1);
+  }
 };
 
 }  // namespace tandem::mbd

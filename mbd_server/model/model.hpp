@@ -196,8 +196,8 @@ struct Model {
   std::vector<InputRange> input_ranges;
   std::vector<Element> elements;
   BodyContactModel contact;  // between bodies
-  // Number of scene::elements_of(): each force, coupler and joint among them has an index, its account, under
-  // which its work and its losses are recorded.
+  // Number of scene::elements_of(): each force, coupler, joint and output of contacts among them has an
+  // index, its account, under which its work and its losses are recorded.
   int accounts = 0;
   VectorXd first_states;                 // of the elements, at the start (first-order states)
   VectorXd state_scale;                  // change of each that counts as large (first-order states)

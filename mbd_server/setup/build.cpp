@@ -80,7 +80,7 @@ bool has_coordinate(JointType type) {
 class Builder {
  public:
   explicit Builder(const scene::Scene& scene)
-      : scene_(scene), mbd_(*scene.mbd), topology_(find_topology(scene)), place_{scene, topology_, {},
+      : scene_(scene), mbd_(*scene.mbd), topology_(find_topology(scene)), place_{scene, topology_, {}, {},
                                                                                  {},    {},        {}} {}
 
   Model build() {

@@ -173,6 +173,7 @@ struct ContactPlacer {
     const scene::ContactMaterialPair pair = scene::combined(contact, m_a, m_b);
     ContactLaw law;
     law.friction = *pair.friction;
+    law.rolling_friction = *pair.rolling_friction;
     law.damping_number = damping_number(*pair.restitution);
     const scene::ContactMaterial &one = contact.materials[static_cast<std::size_t>(m_a)],
                                  &two = contact.materials[static_cast<std::size_t>(m_b)];
@@ -192,6 +193,24 @@ struct ContactPlacer {
     return law;
   }
 };
+
+void place_outputs(const Placement& placement, const std::vector<const scene::Shape*>& sources,
+                   BodyContactModel& contact) {
+  const std::vector<scene::ContactOutput>& outputs = placement.scene.contact->outputs;
+  if (!outputs.empty()) contact.outputs_on.resize(sources.size());
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const scene::ContactOutput& from = outputs[i];
+    ContactOutput& output = contact.outputs.emplace_back();
+    output.account = placement.of_contact[i];
+    output.body = from.on[0].body == ground ? none : static_cast<int>(from.on[0].body.value);
+    for (std::size_t s = 0; s < sources.size(); ++s) {
+      const auto has = [&](const scene::ContactSide& side) { return scene::is_of(*sources[s], side); };
+      output.on.push_back(std::ranges::any_of(from.on, has));
+      output.from.push_back(from.from.empty() ? !output.on[s] : std::ranges::any_of(from.from, has));
+      if (output.on[s]) contact.outputs_on[s].push_back(static_cast<int>(i));
+    }
+  }
+}
 
 }  // namespace
 
@@ -218,10 +237,16 @@ void place_contacts(const Placement& placement, Model& model) {
   const scene::Scene& scene = placement.scene;
   if (!scene.contact) return;
   ContactPlacer placer{placement, model, *scene.contact};
-  for (const scene::Shape& shape : scene.contact->ground) placer.add(shape);
+  std::vector<const scene::Shape*> sources;  // (shapes)
+  const auto add = [&](const scene::Shape& shape) {
+    placer.add(shape);
+    sources.resize(model.contact.shapes.size(), &shape);
+  };
+  for (const scene::Shape& shape : scene.contact->ground) add(shape);
   for (const scene::Shape& shape : scene.shapes)
-    if (shape.use == scene::ShapeUse::contact) placer.add(shape);
+    if (shape.use == scene::ShapeUse::contact) add(shape);
   placer.find_apart();
+  place_outputs(placement, sources, model.contact);
   const int count = static_cast<int>(scene.contact->materials.size());
   model.contact.materials = count;
   for (int a = 0; a < count; ++a)

@@ -167,10 +167,12 @@ void Placement::number_accounts(Model& model) {
   of_joint.assign(mbd.joints.size(), none);
   of_coupler.assign(mbd.couplers.size(), none);
   of_force.assign(mbd.forces.size(), none);
+  of_contact.assign(scene.contact ? scene.contact->outputs.size() : 0, none);
   for (const scene::ElementOfScene& element : scene::elements_of(scene)) {
     using Source = scene::ElementOfScene::Source;
     std::vector<int>& accounts = element.source == Source::joint     ? of_joint
                                  : element.source == Source::coupler ? of_coupler
+                                 : element.source == Source::contact ? of_contact
                                                                      : of_force;
     accounts[element.index] = model.accounts++;
   }

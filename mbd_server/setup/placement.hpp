@@ -13,8 +13,8 @@ struct Placement {
   const scene::Scene& scene;
   const Topology& topology;
   std::vector<Vector3d> origins;  // of the links in the coordinates of the file, world [m]
-  // Model::accounts of the scene's joints, couplers and forces; none: it has no columns.
-  std::vector<int> of_joint, of_coupler, of_force;
+  // Model::accounts of the scene's joints, couplers, forces and outputs of contacts; none: it has no columns.
+  std::vector<int> of_joint, of_coupler, of_force, of_contact;
 
   void number_accounts(Model& model);
 

@@ -249,7 +249,7 @@ void Dynamics::apply_contacts(const State& state) {
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
     const auto [a, b] = links_of(k);
     const ContactForce f = evaluate(model_, state.contacts.col(k), links_);
-    const Vector6d wrench = wrench_at(f.p, f.force);
+    const Vector6d wrench = wrench_at(f.p, f.force, f.torque);
     apply(b, wrench);
     apply(a, Vector6d(-wrench));
     const auto at = std::lower_bound(contacts_.begin(), contacts_.end(),

@@ -24,17 +24,22 @@ struct StopRow {
 
 // Data of one point of contact between bodies: the rows of State::contacts.
 struct ContactRow {
-  enum : Eigen::Index {
-    mass,             // that the point feels as the contact begins [kg]; 0: no contact
-    entry_rate,       // at which the shapes approached each other then [m/s]
-    entry_time,       // [s]
-    period,           // duration of an impact at that rate [s]; 0: it does not limit the steps
-    stiffness,        // of the tangential spring [N/m]
-    damping,          // beside it [N s/m]
-    on_a,             // end of that spring on link a, frame of the link [m] (3)
-    on_b = on_a + 3,  // on link b, likewise (3)
+  enum Row : Eigen::Index {
+    mass,                 // that the point feels as the contact begins [kg]; 0: no contact
+    entry_rate,           // at which the shapes approached each other then [m/s]
+    entry_time,           // [s]
+    period,               // duration of an impact at that rate [s]; 0: it does not limit the steps
+    stiffness,            // of the tangential spring [N/m]
+    damping,              // beside it [N s/m]
+    rolling_radius,       // R* [m]; 0: no rolling friction
+    rolling_stiffness,    // [N m/rad]
+    rolling_damping,      // [N m s/rad]
+    on_a,                 // end of that spring on link a, frame of the link [m] (3)
+    on_b = on_a + 3,      // on link b, likewise (3)
+    roll_a = on_b + 3,    // unit vectors whose difference is the stretch of the rolling spring: on link a,
+    roll_b = roll_a + 3,  // frame of the link (3), and on link b, likewise (3)
     // The feature that touches (contact/features.hpp).
-    shape_a = on_b + 3,
+    shape_a = roll_b + 3,
     shape_b,
     kind,
     code,
@@ -96,6 +101,9 @@ struct State {
   Eigen::Matrix<double, ContactRow::count, Eigen::Dynamic> contacts;
   // Longest step that they allow [s], 0: no limit (1); empty where the scene has none.
   VectorXd touch_step;
+  // Algorithmic wrench of these contacts on each boundary body, which follows it as `a` follows udot: torque
+  // about its centre of mass and force, world axes [N m], [N] (6 x boundary bodies; empty likewise).
+  Eigen::Matrix<double, 6, Eigen::Dynamic> contact_wrench;
   // Extrapolation: the runs with steps of `step` and of half of it, which give q, u, udot and lambda. Each
   // has its own q, u, udot, a, udot_rate, lambda, z, zdot, w, zdot_rate (packed_size); without
   // extrapolation, empty.

@@ -26,8 +26,13 @@ namespace tandem::mbd {
 struct BodyContactCounters {
   std::uint64_t contacts = 0;  // points that came into contact
   std::uint64_t steps = 0;     // taken with a point in contact
-  double largest_force = 0;    // normal force of a point [N]
-  double largest_depth = 0;    // [m]
+};
+
+// Of the points in contact at the end of a step; shapes are indices in the model.
+struct ContactExtremes {
+  double force = 0;        // largest normal force of a point [N]
+  double depth_share = 0;  // largest depth over that from the surface to the middle of the thinner shape [-]
+  int shape_a = none, shape_b = none;  // of that depth
 };
 
 class BodyContacts {
@@ -52,18 +57,29 @@ class BodyContacts {
   const BodyContactCounters& counters() const { return counters_; }
   // Energy that contacts have dissipated since the last call [J].
   double take_lost() { return std::exchange(lost_, 0.0); }
+  // Calls f(energy, account) with the shares of the outputs in it [J].
+  template <class F>
+  void take_lost_of_outputs(F&& f) {
+    for (std::size_t i = 0; i < lost_of_.size(); ++i)
+      f(std::exchange(lost_of_[i], 0.0), model_.contact.outputs[i].account);
+  }
+  // Of the last step.
+  const ContactExtremes& extremes() const { return extremes_; }
+  // Impulse of the contacts on each boundary body in the last step: torque about its centre of mass, force
+  // [N m s], [N s] (6 x boundary bodies). The momentum of a free body changes by it to rounding, because it
+  // is that of the algorithmic wrench (State::contact_wrench).
+  const Eigen::Matrix<double, 6, Eigen::Dynamic>& impulses() const { return impulses_; }
 
  private:
   // Distance of the shapes at a point [m], [m/s] (points).
   struct Gap {
     double value = 0, rate = 0;
   };
-  // Motion of a point in contact, its power on the links and its energy [m], [m/s], [W], [J].
+  // Motion of a point in contact, its power on the links and its energy [W], [J].
   struct Exchange {
-    double gap = 0, gap_rate = 0;
-    Vector3d stretch = Vector3d::Zero(), sliding = Vector3d::Zero();
+    ContactMotion motion;
     double power = 0, energy = 0;
-    bool slides = false;
+    bool slides = false, rolls = false;
   };
   static Exchange exchange_of(const ContactForce& f);
   double work(const ContactColumn& column, const Exchange& begin, const Exchange& end, double h) const;
@@ -115,8 +131,23 @@ class BodyContacts {
   int machine_of(int shape) const;
   void find_masses();
   void enter(State& state, const Entry& entry, Eigen::Index index);
+  static constexpr double steps_per_contact = 32;    // of the duration of an impact
+  static constexpr double steps_per_vibration = 16;  // of half a period of a contact that vibrates
+  static constexpr double growth = 2;                // of the steps after a contact
+  // Steps at the begin of an impact of much damping are shorter by this factor.
+  static double part_of_step(const ContactLaw& law);
+  // Sets the directions of the rolling spring, given in the world, on the two links.
+  static void set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
+                                 const LinkMotion& b, Eigen::Ref<ContactColumn> column);
   void accept(State& state, double h);
-  void record(const State& state, std::vector<Exchange>& at);
+  double move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
+  double move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
+  void lose(double energy, int shape_a, int shape_b);
+  double thinner(int shape_a, int shape_b) const;
+  using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // on boundary bodies (6 x boundary bodies)
+  void record(const State& state, std::vector<Exchange>& at, Wrenches& wrenches);
+  void start_method(State& state);
+  void integrate_wrenches(State& state, double h);
   double longest_step(const State& state, double h) const;
   bool vibrates(const ContactColumn& column, const Exchange& now) const;
   double resolving_step(const State& state) const;
@@ -131,7 +162,12 @@ class BodyContacts {
   double requested_ = 0, energy_scale_ = 0;
   double tolerance_ = 0;  // of a gap [m]
   BodyContactCounters counters_;
-  double lost_ = 0;  // [J]
+  double lost_ = 0;              // [J]
+  std::vector<double> lost_of_;  // share of each output [J]
+  ContactExtremes extremes_;
+  std::vector<int> boundary_of_;  // boundary body of each shape; none: it has none (shapes)
+  bool records_impulses_ = false;
+  Wrenches at_begin_wrench_, at_end_wrench_, impulses_;
   State before_;
   std::vector<NearPair> pairs_;
   std::vector<ContactFeature> features_;

@@ -85,6 +85,7 @@ class GeneralizedAlpha final : public ControlledMethod {
 
   std::string largest_state_error(const System& system) const override { return system.worst_state(dz_); }
   const ShortenedSteps& shortened() const { return shortened_; }
+  const GeneralizedAlphaConstants& constants() const { return c_; }
   // Multiplies Newton's tolerance by that factor.
   void loosen(double factor) { newton_.tolerance *= factor; }
 

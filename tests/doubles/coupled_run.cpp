@@ -81,6 +81,10 @@ void CoupledRun::advance(double length) {
   coupler_->advance(coupler_->now() + to_nanoseconds(length));
 }
 
+void CoupledRun::observe() {
+  coupler_->observe(mbd_->observe_bodies(coupler_->now()));
+}
+
 void CoupledRun::run(double end_time) {
   const Nanoseconds end = to_nanoseconds(end_time);
   while (coupler_->now() < end) coupler_->advance(end);

@@ -28,6 +28,9 @@ class CoupledRun {
   // Advances by one window of this length [s], or of the scene's length where that is shorter.
   void advance(double length);
 
+  // Gives the coupler the bodies at the end of the last window, as a run does after each.
+  void observe();
+
   // Between two windows both servers wait, so that the solvers may be read and set.
   launch::Coupler& coupler() { return *coupler_; }
   const launch::Exchange& exchange() { return coupler_->exchange(); }

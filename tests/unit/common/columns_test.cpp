@@ -60,6 +60,19 @@ TEST(ElementColumns, AreThoseOfForcesCouplersAndDrivenJoints) {
   EXPECT_EQ(elements[2].columns[1].part, 1);
 }
 
+TEST(ElementColumns, OutputsOfContactsAreLast) {
+  Scene scene = geared();
+  scene.contact.emplace();
+  scene.contact->outputs.push_back({"feet", {{BodyId{0}, ""}}, {}});
+  EXPECT_EQ(element_columns(scene),
+            (std::vector<std::string>{"feet.force.x", "feet.force.y", "feet.force.z", "feet.torque.x",
+                                      "feet.torque.y", "feet.torque.z", "feet.friction.x", "feet.friction.y",
+                                      "feet.friction.z", "feet.normal_force", "feet.depth", "feet.points",
+                                      "feet.centre.x", "feet.centre.y", "feet.centre.z", "feet.power",
+                                      "feet.stored_energy", "feet.loss_energy"}));
+  EXPECT_EQ(elements_of(scene).back().kind, "contact");
+}
+
 TEST(ElementColumns, OfASharedNameHaveTheirType) {
   Scene scene = geared();
   scene.mbd->couplers.push_back({"axle", CouplerType::gear, JointId{0}, JointId{1}});

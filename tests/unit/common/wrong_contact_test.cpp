@@ -16,6 +16,8 @@ namespace {
   R"(}]}])"
 #define BALL R"("material": "hard", "shape": {"type": "sphere", "radius": 0.1})"
 
+#define OUTPUT(keys) CONTACT(HARD, R"(, "ground": [)" FLOOR("hard") R"(], "outputs": [{)" keys "}]", BALL)
+
 const WrongScene wrong_contacts[] = {
     {"ShapeWithoutMaterial", CONTACT(HARD, "", R"("shape": {"type": "sphere", "radius": 0.1})"),
      "mbd.bodies[3].shapes[0]: the key 'material' is missing (add material: the name of one in "
@@ -73,6 +75,40 @@ const WrongScene wrong_contacts[] = {
      "'ground' is not computed in this version (add their bodies to mbd.contact.ignore: planes of two bodies "
      "do "
      "not touch)"},
+    {"OutputOfAnUnknownBody", OUTPUT(R"("name": "feet", "on": ["brid"])"),
+     "mbd.contact.outputs[0].on[0]: unknown name 'brid' (did you mean 'bird'?)"},
+    {"OutputOfABodyWithoutContact", OUTPUT(R"("name": "feet", "on": ["bird", "crate"])"),
+     "mbd.contact.outputs[0].on: 'crate' has no shape of contact (give it a shape with \"use\": "
+     "\"contact\")"},
+    {"OutputOfAnUnknownShape", OUTPUT(R"("name": "feet", "on": ["bird"], "from": ["ground/flor"])"),
+     "mbd.contact.outputs[0].from: 'ground' has no shape of contact 'flor' (did you mean 'floor'?)"},
+    {"OutputOnBothSides", OUTPUT(R"("name": "feet", "on": ["bird"], "from": ["ground", "bird/a"])"),
+     "mbd.contact.outputs[0].from: the shape 'a' of 'bird' is on both sides (leave it out of one of them)"},
+    {"OutputOfBodiesThatPassThroughEachOther",
+     CONTACT(
+         HARD,
+         R"(, "ground": [)" FLOOR(
+             "hard") R"(], "ignore": [["ground", "bird"]], "outputs": [{"name": "feet", "on": ["bird"]}])",
+         BALL),
+     "mbd.contact.outputs[0]: the two sides never touch: they are one body, joined, or in mbd.contact.ignore "
+     "(name bodies that may touch each other)"},
+    {"OutputWithTheNameOfABody", OUTPUT(R"("name": "crate", "on": ["bird"])"),
+     "mbd.contact.outputs[0].name: a body is called 'crate' as well, so that columns would be mixed up (give "
+     "the output another name, such as 'crate_contact')"},
+    {"OutputWithTheNameOfAForce", OUTPUT(R"("name": "coil", "on": ["bird"])"),
+     "mbd.contact.outputs[0].name: a force is called 'coil' as well, so that columns would be mixed up (give "
+     "the output another name, such as 'coil_contact')"},
+    {"OutputTwice", OUTPUT(R"("name": "feet", "on": ["bird"]}, {"name": "feet", "on": ["bird"])"),
+     "mbd.contact.outputs[1].name: the name 'feet' is given twice (names in mbd.contact.outputs must "
+     "differ)"},
+    {"OutputOfNothing", OUTPUT(R"("name": "feet", "on": [])"),
+     "mbd.contact.outputs[0].on: the list is empty (give a list of names: bodies that the forces act on)"},
+    {"RollingFrictionAboveOne",
+     CONTACT(
+         R"({"name": "hard", "stiffness": 1e6, "restitution": 0.5, "friction": 0.3, "rolling_friction": 2})",
+         "", BALL),
+     "mbd.contact.materials[0].rolling_friction: the value is 2 (give a number from 0 to 1: largest rolling "
+     "moment over R* N, R* the radius of what rolls [-])"},
     {"ExplicitMethod", R"([{"op": "add", "path": "/mbd/contact", "value": {"materials": [)" HARD R"(]}},
          {"op": "replace", "path": "/mbd/integrator", "value": {"method": "dormand_prince"}}])",
      "mbd.integrator.method: 'dormand_prince' does not compute the contacts of mbd.contact (leave out "
@@ -91,6 +127,13 @@ const WrongScene wrong_contacts[] = {
 
 TEST(WrongContacts, AcceptsABallOnAFloor) {
   EXPECT_EQ(verdict_on_patch(CONTACT(HARD, R"(, "ground": [)" FLOOR("hard") "]", BALL)), "no error");
+}
+
+TEST(WrongContacts, AcceptsOutputsOfBodiesAndShapes) {
+  EXPECT_EQ(
+      verdict_on_patch(OUTPUT(
+          R"("name": "feet", "on": ["bird"]}, {"name": "down", "on": ["ground/floor"], "from": ["bird/a"])")),
+      "no error");
 }
 
 INSTANTIATE_TEST_SUITE_P(Contacts, WrongSceneTest, testing::ValuesIn(wrong_contacts), name_of_case);

@@ -57,6 +57,25 @@ TEST(EnergyWatch, LinearSpringsAreKnown) {
   EXPECT_GT(change(scene, moved)->share, 0.1);
 }
 
+// What contacts store counts where the participant tells it.
+TEST(EnergyWatch, ContactsAreKnownByTheirAccount) {
+  scene::Scene scene = scene_with_force("");
+  scene.contact.emplace();
+  const auto share = [&](bool told) {
+    EnergyWatch watch(scene);
+    for (const bool later : {false, true}) {
+      protocol::BodiesFrame frame =
+          later ? energy_frame(3, 4, {1, 2, 3}, 7 + moved + 5) : energy_frame(0, 0, {}, 7);
+      if (told) frame.contacts = {later ? 5. : 0.};
+      watch.observe(frame);
+    }
+    return watch.largest();
+  };
+  ASSERT_TRUE(share(true));
+  EXPECT_LT(share(true)->share, 1e-14);
+  EXPECT_FALSE(share(false));
+}
+
 TEST(EnergyWatch, OtherStoresAreNotJudged) {
   EXPECT_TRUE(change(
       scene_with_force(

@@ -168,7 +168,13 @@ TEST(CodecValues, AFrameMayHaveElements) {
   encode(without, sent);
   sent.elements = {1.5, 2.5, -3};
   encode(bytes, sent);
-  BodiesFrame got;
+  BodiesFrame got, touching = bodies_frame();
+  touching.contacts = {7, 8};  // without elements
+  Bytes account;
+  encode(account, touching);
+  decode(account, got);
+  EXPECT_TRUE(got.elements.empty());
+  EXPECT_EQ(got.contacts, touching.contacts);
   decode(bytes, got);
   EXPECT_EQ(got.elements, sent.elements);
   EXPECT_EQ(got.energy, sent.energy);
@@ -178,6 +184,7 @@ TEST(CodecValues, AFrameMayHaveElements) {
         << size << " bytes";
   decode(without, got);
   EXPECT_TRUE(got.elements.empty());
+  EXPECT_TRUE(got.contacts.empty());
 }
 
 TEST(CodecValues, ArriveInTheirFields) {

@@ -349,6 +349,8 @@ TEST(Difference, EachKindOfFieldIsNamed) {
   driven.elements = {1, 2}, other_driven.elements = {1, 3};
   EXPECT_EQ(place(Kind::bodies, other_driven, driven), "element column 1 | 3 | 2 | 1");
   EXPECT_EQ(place(Kind::bodies, bodies, driven), "number of element columns | 0 | 2 | -2");
+  driven.contacts = {3}, other_driven = driven, other_driven.contacts = {4};
+  EXPECT_EQ(place(Kind::bodies, other_driven, driven), "account of contacts 0 | 4 | 3 | 1");
 
   ParticlesFrame spheres{{},    {7, 9}, std::vector<double>(6), std::vector<float>(6), std::vector<float>(6),
                          {1, 1}};

@@ -140,6 +140,60 @@ TEST(BodyMomentum, LoadsOfAnotherWindowAreSeenInSingleWindowsOnly) {
   EXPECT_GT(run(free_plate, *mbd::make_solver(), *broken(end)).momentum_windows, 0.01);
 }
 
+// The plate meets the floor with a corner, slides and comes to rest on it, while grains hit it.
+std::string plate_on_a_floor() {
+  std::string text = free_plate;
+  const auto put = [&](const std::string& before, const std::string& what) {
+    text.insert(text.find(before), what);
+  };
+  put(R"("joints": [)",
+      R"("contact": {"materials": [{"name": "steel", "stiffness": 1e5, "restitution": 0.5, "friction": 0.4}],
+      "ground": [{"name": "floor", "material": "steel", "shape": {"type": "plane", "point": [0, 0, -0.06], "normal": [0, 0, 1]}}]}, )");
+  put(R"("velocity": [0.1, 0, 0])",
+      R"("shapes": [{"name": "sole", "use": "contact", "material": "steel", "shape": {"type": "box", "size": [0.5, 0.5, 0.1]}}], )");
+  return text;
+}
+launch::BodyMomentum::Sums momentum_of_touching(const std::string& scheme, double window,
+                                                const MotionFault& fault) {
+  const std::string text = plate_on_a_floor();
+  scene::Scene scene = scene::parse(text, "test");
+  scene.coupling.window = window;
+  if (scheme == "implicit") scene.coupling.scheme = scene::Scheme::implicit;
+  const auto mbd = broken(fault);
+  const auto dem = dem::make_solver();
+  CoupledRun coupled(*mbd, *dem, scene, text);
+  coupled.observe();
+  while (coupled.coupler().now() < to_nanoseconds(0.3)) coupled.advance(window), coupled.observe();
+  const auto& sums = coupled.coupler().body_momentum().sums();
+  if (!sums.contains(0)) return {};
+  const launch::BodyMomentum::Sums seen = sums.at(0);
+  std::printf("  %s, windows of %g s: linear %.2e (limit 1e-3), angular %.2e (limit 1e-2)\n", scheme.c_str(),
+              window, seen.linear(), seen.angular());
+  return seen;
+}
+
+TEST(BodyMomentum, OfABodyInContactIsClosedByItsAccount) {
+  for (const char* scheme : {"dem_first", "implicit"})
+    for (const double window : {1e-3, 2e-4}) {
+      const auto sums = momentum_of_touching(scheme, window, {});
+      EXPECT_GT(sums.impulse, 1) << "the floor bears the plate";
+      EXPECT_LT(sums.linear(), 1e-3);
+      EXPECT_LT(sums.angular(), 1e-2);
+    }
+}
+
+TEST(BodyMomentum, AFaultOfTheContactsIsSeenAndAMissingAccountIsNotJudged) {
+  const auto sums =
+      momentum_of_touching("dem_first", 1e-3, {.name = "contacts_too_large", .frame = [](BodiesFrame& frame) {
+                                                 for (double& value : frame.contacts) value *= 1.01;
+                                               }});
+  EXPECT_GT(sums.linear(), 2e-3);
+  const auto none = momentum_of_touching(
+      "dem_first", 1e-3,
+      {.name = "without_an_account", .frame = [](BodiesFrame& frame) { frame.contacts.clear(); }});
+  EXPECT_EQ(none.impulse, 0);
+}
+
 TEST(BodyMomentum, OnlyBodiesWithoutOtherForcesAreWatched) {
   const auto watched = [](const std::string& text) {
     launch::BodyMomentum momentum(scene::parse(text, "test"));

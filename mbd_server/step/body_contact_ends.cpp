@@ -1,0 +1,202 @@
+// What happens to the points in contact at the end of a step: work and impulse, springs that slip, contacts
+// that end, and the length of the next step.
+#include <algorithm>
+#include <cmath>
+
+#include "mbd_server/step/body_contacts.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+// A contact vibrates where the energy of its rate is more than this share of the energy that moves.
+constexpr double least_vibration = 1e-6;
+// An impact of much damping loses most of its rate in a part of this share of its duration: steps there are
+// shorter.
+constexpr double sudden = 0.125;
+// Impacts that end again last one to some durations of one without loads.
+constexpr double lasting = 10;
+// The spring of friction gets new ends where the point of contact has moved away by this share of the radius.
+constexpr double rolled = 1e-3;
+// That of rolling friction where the normal has turned by this angle against its directions [rad].
+constexpr double turned = 1e-2;
+
+// Stretch of a spring that slips: together with its damper it gives `force`, and never more alone.
+Vector3d left_over(const Vector3d& force, const Vector3d& damping, double stiffness) {
+  const Vector3d elastic = force + damping;
+  return elastic.dot(force) > 0 ? Vector3d(-elastic / stiffness) : Vector3d::Zero();
+}
+
+}  // namespace
+
+double BodyContacts::part_of_step(const ContactLaw& law) {
+  return 1 / std::sqrt(1 + 0.5 * law.damping_number);
+}
+
+void BodyContacts::set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a, const LinkMotion& b,
+                        Eigen::Ref<ContactColumn> column) {
+  column.segment<3>(ContactRow::roll_a) = a.R_WL.transpose() * on_a;
+  column.segment<3>(ContactRow::roll_b) = b.R_WL.transpose() * on_b;
+}
+
+void BodyContacts::record(const State& state, std::vector<Exchange>& at, Wrenches& wrenches) {
+  at.resize(static_cast<std::size_t>(state.contacts.cols()));
+  if (records_impulses_) wrenches.setZero(6, std::ssize(model_.boundary));
+  const auto add = [&](Eigen::Index shape, const ContactForce& f, double sign) {
+    const int k = boundary_of_[static_cast<std::size_t>(shape)];
+    if (k == none) return;
+    const BodyOnLink& body =
+        model_.bodies[static_cast<std::size_t>(model_.boundary[static_cast<std::size_t>(k)])];
+    const Vector3d centre = system_.links()[static_cast<std::size_t>(body.link)].point(body.p_LB);
+    wrenches.col(k) += sign * wrench_at(f.p - centre, f.force, f.torque);
+  };
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const ContactForce f = evaluate(model_, state.contacts.col(k), system_.links(), Derivatives::without);
+    at[static_cast<std::size_t>(k)] = exchange_of(f);
+    if (!records_impulses_) continue;
+    add(static_cast<Eigen::Index>(state.contacts(ContactRow::shape_b, k)), f, 1);
+    add(static_cast<Eigen::Index>(state.contacts(ContactRow::shape_a, k)), f, -1);
+  }
+}
+
+// A start of the method sets `a` from the forces there.
+void BodyContacts::start_method(State& state) {
+  method_.start(system_, state, longest_step(state, requested_));
+  if (!records_impulses_) return;
+  record(state, at_begin_, state.contact_wrench);
+}
+
+// The momentum of a body changes by the algorithmic acceleration: the impulse of a force over a step is that
+// of the algorithmic force.
+void BodyContacts::integrate_wrenches(State& state, double h) {
+  if (!records_impulses_) return;
+  const GeneralizedAlphaConstants& c = method_.constants();
+  const Wrenches last = state.contact_wrench;
+  state.contact_wrench =
+      ((1 - c.alpha_f) * at_end_wrench_ + c.alpha_f * at_begin_wrench_ - c.alpha_m * last) / (1 - c.alpha_m);
+  impulses_ = h * ((1 - c.gamma) * last + c.gamma * state.contact_wrench);
+}
+
+BodyContacts::Exchange BodyContacts::exchange_of(const ContactForce& f) {
+  const double gap_rate = f.n.dot(f.velocity);
+  return {{f.gap, gap_rate, f.stretch, f.velocity - gap_rate * f.n, f.bend, f.rolling},
+          f.power(),
+          f.energy,
+          f.slides,
+          f.rolls};
+}
+
+// Work of a point on the links over a step, by Simpson's rule; in the middle of the step gap, stretch and
+// bend are those of the cubics through both ends (energy_balance.hpp).
+double BodyContacts::work(const ContactColumn& column, const Exchange& begin, const Exchange& end,
+                          double h) const {
+  if (!(h > 0)) return 0;
+  const auto between = [&](const auto& x0, const auto& x1, const auto& v0, const auto& v1, auto& x, auto& v) {
+    x = 0.5 * (x0 + x1) + h / 8 * (v0 - v1);
+    v = 1.5 / h * (x1 - x0) - 0.25 * (v0 + v1);
+  };
+  const ContactMotion &m0 = begin.motion, &m1 = end.motion;
+  ContactMotion middle;
+  between(m0.gap, m1.gap, m0.gap_rate, m1.gap_rate, middle.gap, middle.gap_rate);
+  between(m0.stretch, m1.stretch, m0.sliding, m1.sliding, middle.stretch, middle.sliding);
+  between(m0.bend, m1.bend, m0.rolling, m1.rolling, middle.bend, middle.rolling);
+  return h / 6 * (begin.power + 4 * power(model_, column, middle) + end.power);
+}
+
+// The end of a step of length h: contacts that have ended, and friction that slides.
+void BodyContacts::accept(State& state, double h) {
+  const auto& links = system_.links();
+  double longest = HUGE_VAL;
+  const bool any = state.contacts.cols() > 0;
+  extremes_ = {};
+  std::vector<Eigen::Index> kept;
+  for (Candidate& candidate : candidates_) {
+    if (candidate.column < 0) continue;
+    const Eigen::Index index = candidate.column;
+    auto column = state.contacts.col(index);
+    const ContactLaw law = model_.contact.law(candidate.feature.a, candidate.feature.b);
+    const ContactForce f = evaluate(model_, column, links, Derivatives::without);
+    const Exchange& begin = at_begin_[static_cast<std::size_t>(index)];
+    const double done = work(column, begin, at_end_[static_cast<std::size_t>(index)], h);
+    const int shape_a = candidate.feature.a, shape_b = candidate.feature.b;
+    extremes_.force = std::max(extremes_.force, f.normal);
+    if (const double share = -f.gap / thinner(shape_a, shape_b); share > extremes_.depth_share)
+      extremes_.depth_share = share, extremes_.shape_a = shape_a, extremes_.shape_b = shape_b;
+    if (f.gap > 0) {
+      lose(begin.energy - done, shape_a, shape_b);
+      candidate.column = -1;
+      continue;
+    }
+    kept.push_back(index);
+    const double period = column[ContactRow::period];
+    const double since = state.time - column[ContactRow::entry_time];
+    if (since <= lasting * period)
+      longest =
+          std::min(longest, period / steps_per_contact * (since < sudden * period ? part_of_step(law) : 1));
+    else if (vibrates(column, at_end_[static_cast<std::size_t>(index)]))
+      longest = std::min(longest, period / steps_per_vibration);
+
+    const double stored =
+        normal_energy(law, -f.gap) + move_spring(f, column) + move_rolling_spring(f, column);
+    lose(begin.energy - stored - done, shape_a, shape_b);
+  }
+  keep(state, kept);
+  if (any) ++counters_.steps;
+  double& touch_step = state.touch_step[0];
+  if (touch_step == 0 && longest == HUGE_VAL) return;
+  touch_step = std::min(touch_step > 0 ? growth * touch_step : HUGE_VAL, longest);
+  if (touch_step >= requested_) touch_step = 0;
+}
+
+// Moves the ends of the spring of friction where it slides or its point has moved away: to the stretch that
+// has the friction with which the step ended, without its damping. Returns the energy of the spring [J].
+double BodyContacts::move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const {
+  const auto& links = system_.links();
+  const ContactShape &a = model_.contact.shape(static_cast<int>(column[ContactRow::shape_a])),
+                     &b = model_.contact.shape(static_cast<int>(column[ContactRow::shape_b]));
+  const LinkMotion &link_a = links[static_cast<std::size_t>(a.link)],
+                   &link_b = links[static_cast<std::size_t>(b.link)];
+  const double stiffness = column[ContactRow::stiffness];
+  const bool slips = f.slides || f.normal == 0;
+  Vector3d stretch = f.stretch;
+  if (slips) {
+    const Vector3d v_t = f.velocity - f.n.dot(f.velocity) * f.n;
+    stretch = left_over(f.friction, column[ContactRow::damping] * v_t, stiffness);
+  }
+  const Vector3d away = f.p - link_a.point(column.segment<3>(ContactRow::on_a));
+  const double radius = std::max(a.radius, b.radius);
+  const bool has_rolled = radius > 0 && (away - f.n.dot(away) * f.n).norm() > rolled * radius;
+  if (slips || has_rolled) {
+    column.segment<3>(ContactRow::on_a) = in_link(link_a, f.p);
+    column.segment<3>(ContactRow::on_b) = in_link(link_b, f.p + stretch);
+  }
+  return 0.5 * stiffness * stretch.squaredNorm();
+}
+
+// The same for the spring of rolling friction.
+double BodyContacts::move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const {
+  const double stiffness = column[ContactRow::rolling_stiffness];
+  if (!(stiffness > 0)) return 0;
+  const LinkMotion &a = link_of(model_, static_cast<int>(column[ContactRow::shape_a]), system_.links()),
+                   &b = link_of(model_, static_cast<int>(column[ContactRow::shape_b]), system_.links());
+  const bool slips = f.rolls || f.normal == 0;
+  const Vector3d bend =
+      slips ? left_over(f.torque, column[ContactRow::rolling_damping] * f.rolling, stiffness) : f.bend;
+  const Vector3d direction = a.R_WL * column.segment<3>(ContactRow::roll_a);
+  if (slips || (direction - f.n).norm() > turned)
+    set_rolling_spring(f.n, (f.n + bend.cross(f.n)).normalized(), a, b, column);
+  return 0.5 * stiffness * bend.squaredNorm();
+}
+
+// A load that jumps makes a body vibrate on its contacts. A step that does not resolve this has another
+// energy, and dampers at the points take another part of it.
+bool BodyContacts::vibrates(const ContactColumn& column, const Exchange& now) const {
+  const ContactMotion& m = now.motion;
+  if (!(m.gap < 0)) return false;
+  double rate = m.gap_rate * m.gap_rate;
+  if (column[ContactRow::stiffness] > 0 && !now.slides) rate += m.sliding.squaredNorm();
+  if (const double radius = column[ContactRow::rolling_radius]; radius > 0 && !now.rolls)
+    rate += radius * radius * m.rolling.squaredNorm();
+  return 0.5 * column[ContactRow::mass] * rate > least_vibration * energy_scale_;
+}
+
+}  // namespace tandem::mbd

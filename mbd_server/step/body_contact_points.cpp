@@ -1,0 +1,238 @@
+// Which points are in contact: features are found and matched with the points of the step before, and those
+// that touch anew enter.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mbd_server/step/body_contacts.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+// A point of a face within this share of the size of its shape is the one that was there a step before.
+constexpr double same_place = 0.05;
+
+}  // namespace
+
+// The features that may touch within h. Those that touch keep their data; those that are no longer features
+// are dropped.
+void BodyContacts::find(State& state, double h) {
+  const auto& links = system_.links();
+  find_pairs(model_, links, h, pairs_);
+  candidates_.clear();
+  std::vector<bool> taken(static_cast<std::size_t>(state.contacts.cols()), false);
+  std::vector<Eigen::Index> kept;
+  by_pair_.clear();
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto a = static_cast<int>(state.contacts(ContactRow::shape_a, k)),
+               b = static_cast<int>(state.contacts(ContactRow::shape_b, k));
+    by_pair_.push_back({std::min(a, b), std::max(a, b), k});
+  }
+  std::sort(by_pair_.begin(), by_pair_.end());
+  for (const NearPair& pair : pairs_) {
+    const Range points = of_pair(pair.a, pair.b);
+    const std::int64_t preferred =
+        points.empty() ? -1
+                       : static_cast<std::int64_t>(state.contacts(ContactRow::code, points.back().column));
+    features_.clear();
+    find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_);
+    for (const ContactFeature& feature : features_) {
+      const Eigen::Index column = matching(state, feature, points, taken);
+      candidates_.push_back({feature, column});
+      if (column < 0) continue;
+      taken[static_cast<std::size_t>(column)] = true;
+      set_feature(feature, state.contacts.col(column));
+      kept.push_back(column);
+    }
+  }
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
+    if (!taken[static_cast<std::size_t>(k)])
+      lose(evaluate(model_, state.contacts.col(k), links, Derivatives::without).energy,
+           static_cast<int>(state.contacts(ContactRow::shape_a, k)),
+           static_cast<int>(state.contacts(ContactRow::shape_b, k)));
+  keep(state, kept);
+}
+
+BodyContacts::Range BodyContacts::of_pair(int a, int b) const {
+  const auto first = std::lower_bound(by_pair_.begin(), by_pair_.end(), OfPair{a, b, 0});
+  auto last = first;
+  while (last != by_pair_.end() && last->a == a && last->b == b) ++last;
+  return {first, last};
+}
+
+// The column of the point in contact that the feature continues, or -1.
+Eigen::Index BodyContacts::matching(const State& state, const ContactFeature& f, Range points,
+                                    const std::vector<bool>& taken) const {
+  Eigen::Index found = -1;
+  double nearest = HUGE_VAL;
+  for (const OfPair& point : points) {
+    const Eigen::Index k = point.column;
+    if (taken[static_cast<std::size_t>(k)]) continue;
+    const ContactFeature g = feature_of(state.contacts.col(k));
+    if (g.a != f.a || g.b != f.b || g.code != f.code) continue;
+    if (!f.by_place) return k;
+    const double distance = (g.place_a - f.place_a).norm();
+    if (distance < nearest && distance < same_place * model_.contact.shape(f.a).bound)
+      nearest = distance, found = k;
+  }
+  return found;
+}
+
+// Leaves these columns, in the order of their indices.
+void BodyContacts::keep(State& state, const std::vector<Eigen::Index>& columns) {
+  std::vector<Eigen::Index> sorted = columns, place(static_cast<std::size_t>(state.contacts.cols()), -1);
+  std::sort(sorted.begin(), sorted.end());
+  if (std::ssize(sorted) == state.contacts.cols()) return;
+  Eigen::Index count = 0;
+  for (const Eigen::Index k : sorted) {
+    place[static_cast<std::size_t>(k)] = count;
+    if (k != count) state.contacts.col(count) = state.contacts.col(k).eval();
+    ++count;
+  }
+  state.contacts.conservativeResize(Eigen::NoChange, count);
+  for (Candidate& c : candidates_)
+    if (c.column >= 0) c.column = place[static_cast<std::size_t>(c.column)];
+}
+
+// Points within the tolerance whose shapes approach each other, or are pressed together, come into contact.
+bool BodyContacts::enter_all(State& state) {
+  const auto& links = system_.links();
+  entries_.clear();
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (candidates_[i].column >= 0) continue;
+    double rate = 0;
+    const double distance = gap(model_, candidates_[i].feature, links, &rate);
+    if (!(distance <= tolerance_)) continue;
+    if (rate > 0 && distance >= -tolerance_) continue;
+    entries_.push_back({i, std::max(0.0, -rate)});
+  }
+  if (entries_.empty()) return false;
+  find_masses();
+  const Eigen::Index first = state.contacts.cols();
+  state.contacts.conservativeResize(Eigen::NoChange, first + std::ssize(entries_));
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    enter(state, entries_[i], first + static_cast<Eigen::Index>(i));
+  return true;
+}
+
+// The inertia that each point feels, closures included: a unit force gives the gap the rate 1/m. Points of
+// machines that no closure connects share a solution, so that the cost is linear in the points.
+void BodyContacts::find_masses() {
+  response_.setZero();
+  system_.factorise({.mass = 1, .damping = 0, .stiffness = 0}, response_);
+  const auto& links = system_.links();
+  const auto along = [&](LinkIndex link, const Vector6d& wrench, const auto& apply) {
+    for (; link > 0; link = model_.links[static_cast<std::size_t>(link)].parent) {
+      const Link& l = model_.links[static_cast<std::size_t>(link)];
+      for (int j = 0; j < l.freedoms(); ++j)
+        apply(l.u + j, links[static_cast<std::size_t>(link)].S.col(j).dot(wrench));
+    }
+  };
+  for (std::size_t left = entries_.size(); left > 0;) {
+    unit_.setZero();
+    std::fill(busy_.begin(), busy_.end(), false);
+    now_.clear();
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (entries_[i].mass > 0) continue;
+      const ContactFeature& f = candidates_[entries_[i].candidate].feature;
+      const int a = machine_of(f.a), b = machine_of(f.b);
+      if ((a != none && busy_[static_cast<std::size_t>(a)]) ||
+          (b != none && busy_[static_cast<std::size_t>(b)]))
+        continue;
+      if (a != none) busy_[static_cast<std::size_t>(a)] = true;
+      if (b != none) busy_[static_cast<std::size_t>(b)] = true;
+      now_.push_back(i);
+      const Touch t = touch(model_, f, links, Derivatives::without);
+      const Vector6d wrench = wrench_at(t.p, t.n);
+      along(model_.contact.shape(f.b).link, wrench, [&](int u, double part) { unit_[u] += part; });
+      along(model_.contact.shape(f.a).link, wrench, [&](int u, double part) { unit_[u] -= part; });
+    }
+    system_.solve(unit_, zero_, response_, dlambda_);
+    for (const std::size_t i : now_) {
+      const ContactFeature& f = candidates_[entries_[i].candidate].feature;
+      const Touch t = touch(model_, f, links, Derivatives::without);
+      const Vector6d wrench = wrench_at(t.p, t.n);
+      double compliance = 0;
+      along(model_.contact.shape(f.b).link, wrench,
+            [&](int u, double part) { compliance += part * response_[u]; });
+      along(model_.contact.shape(f.a).link, wrench,
+            [&](int u, double part) { compliance -= part * response_[u]; });
+      // Bodies that motions or loops hold have no inertia along the contact; any finite value serves.
+      entries_[i].mass = compliance > 0 ? 1 / compliance : 1e6 * model_.contact.law(f.a, f.b).stiffness;
+    }
+    left -= now_.size();
+  }
+}
+
+int BodyContacts::machine_of(int shape) const {
+  return machine_of_link_[static_cast<std::size_t>(model_.contact.shape(shape).link)];
+}
+
+// Links that move with each other through joints or closures are one machine.
+void BodyContacts::find_machines() {
+  const std::size_t count = model_.links.size();
+  std::vector<LinkIndex> root(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const LinkIndex parent = model_.links[i].parent;
+    root[i] = i == 0 || parent <= 0 ? static_cast<LinkIndex>(i) : root[static_cast<std::size_t>(parent)];
+  }
+  // Each root refers to an earlier one of its machine, or to itself.
+  const auto first = [&](LinkIndex i) {
+    i = root[static_cast<std::size_t>(i)];
+    while (root[static_cast<std::size_t>(i)] != i) i = root[static_cast<std::size_t>(i)];
+    return i;
+  };
+  const auto join = [&](LinkIndex a, LinkIndex b) {
+    a = first(a), b = first(b);
+    if (a != 0 && b != 0) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  };
+  for (const Closure& c : model_.closures) {
+    join(c.a, c.b);
+    for (const CoupledLink& term : c.terms) join(c.a, term.link);
+  }
+  machine_of_link_.assign(count, none);
+  for (std::size_t i = 1; i < count; ++i)
+    machine_of_link_[i] = static_cast<int>(first(static_cast<LinkIndex>(i)));
+  busy_.assign(count, false);
+}
+
+void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
+  Candidate& candidate = candidates_[entry.candidate];
+  const ContactFeature& feature = candidate.feature;
+  const ContactShape &a = model_.contact.shape(feature.a), &b = model_.contact.shape(feature.b);
+  const ContactLaw law = model_.contact.law(feature.a, feature.b);
+  const auto& links = system_.links();
+  const Touch t = touch(model_, feature, links, Derivatives::without);
+  const double depth = std::max(-t.gap, impact_depth(law, entry.mass, entry.rate));
+  // Secant stiffness of the impact; a contact that begins at rest gets that of a depth of the tolerance.
+  const double reached = std::max(depth, tolerance_);
+  const double stiffness = law.hertz ? 1.5 * law.stiffness * std::sqrt(reached) : law.stiffness;
+  candidate.column = index;
+  ContactColumn column = ContactColumn::Zero();
+  set_feature(feature, column);
+  column[ContactRow::mass] = entry.mass;
+  column[ContactRow::entry_rate] = entry.rate;
+  column[ContactRow::entry_time] = state.time;
+  column[ContactRow::period] = std::numbers::pi * std::sqrt(entry.mass / stiffness);
+  // Without friction nothing is held along the surfaces, and no spring stores energy there.
+  const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
+  column[ContactRow::stiffness] = ratio * stiffness;
+  column[ContactRow::damping] = ratio * std::sqrt(stiffness * entry.mass);
+  column.segment<3>(ContactRow::on_a) = in_link(links[static_cast<std::size_t>(a.link)], t.p);
+  column.segment<3>(ContactRow::on_b) = in_link(links[static_cast<std::size_t>(b.link)], t.p);
+  if (const double radius = rolling_radius(feature); law.rolling_friction > 0 && radius > 0) {
+    const double at_radius = law.tangential_ratio * radius * radius;
+    column[ContactRow::rolling_radius] = radius;
+    column[ContactRow::rolling_stiffness] = at_radius * stiffness;
+    column[ContactRow::rolling_damping] = at_radius * std::sqrt(stiffness * entry.mass);
+    set_rolling_spring(t.n, t.n, links[static_cast<std::size_t>(a.link)],
+                       links[static_cast<std::size_t>(b.link)], column);
+  }
+  state.contacts.col(index) = column;
+  double& touch_step = state.touch_step[0];
+  const double part = column[ContactRow::period] / steps_per_contact * part_of_step(law);
+  touch_step = touch_step > 0 ? std::min(touch_step, part) : part;
+  ++counters_.contacts;
+}
+
+}  // namespace tandem::mbd
