@@ -123,6 +123,7 @@ bool BodyContacts::enter_all(State& state, bool at_start) {
     const double distance = gap(model_, candidates_[i].feature, links, &rate);
     if (!(distance <= tolerance_)) continue;
     if (rate > 0 && distance >= -tolerance_) continue;
+    expect_round_side(candidates_[i].feature, distance);
     entries_.push_back({i, std::max(0.0, -rate)});
   }
   if (entries_.empty()) return false;

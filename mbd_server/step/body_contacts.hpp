@@ -119,6 +119,7 @@ class BodyContacts {
   void uncovered(const Watch& watch, std::vector<ContactFeature>& found, Gaps* gaps) const;
   void enter_watched(Watch& watch, bool at_start);
   void expect_outside() const;
+  void expect_round_side(const ContactFeature& feature, double gap) const;
   bool follow(State& state, const ContactFeature& feature, Eigen::Index column);
   void shorten(State& state, const ContactColumn& column);
   // A point in contact of a pair of shapes.

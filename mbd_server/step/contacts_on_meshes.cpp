@@ -111,6 +111,20 @@ bool BodyContacts::follow(State& state, const ContactFeature& feature, Eigen::In
   return true;
 }
 
+// Throws where a corner or an edge comes through the flat end of a cylinder.
+void BodyContacts::expect_round_side(const ContactFeature& f, double gap) const {
+  for (const int i : {f.a, f.b}) {
+    const ContactShape& shape = model_.contact.shape(i);
+    if (shape.kind != ContactShape::Kind::cylinder || -gap <= from_behind * thickness_at(model_, f)) continue;
+    throw Error(
+        ErrorCode::numerics,
+        fmt::format("{} comes with its flat end to {}, and is {:.3g} m deep in it", shape.name,
+                    model_.contact.shape(f.a + f.b - i).name, -gap),
+        "mbd.contact",
+        "cylinders touch as wheels do, with their round side: give it a convex_hull as its shape of contact");
+  }
+}
+
 // Throws where a body starts inside a closed mesh.
 void BodyContacts::expect_outside() const {
   for (const NearPair& pair : pairs_)
