@@ -38,10 +38,13 @@ void BodyContacts::find(State& state, double h) {
         points.empty() ? -1
                        : static_cast<std::int64_t>(state.contacts(ContactRow::code, points.back().column));
     features_.clear();
-    double depth =
-        h > 0 ? 0 : std::min(model_.contact.shape(pair.a).bound, model_.contact.shape(pair.b).bound);
-    for (const OfPair& point : points)
-      depth = std::max(depth, -gap(model_, feature_of(state.contacts.col(point.column)), links));
+    const ContactShape &one = model_.contact.shape(pair.a), &two = model_.contact.shape(pair.b);
+    double depth = 0;
+    if (one.mesh || two.mesh) {
+      if (h == 0) depth = std::min(one.bound, two.bound);
+      for (const OfPair& point : points)
+        depth = std::max(depth, -gap(model_, feature_of(state.contacts.col(point.column)), links));
+    }
     find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_, depth);
     for (const ContactFeature& feature : features_) {
       if (feature.kind == ContactFeature::Kind::watch) {
