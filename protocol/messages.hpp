@@ -58,7 +58,7 @@ struct Hello {
 
 // ---- configuration
 
-using tandem::NamedMesh;  // of a wall: see common/geometry/triangle_mesh.hpp
+using tandem::NamedMesh;  // of a wall, or of a shape of contact: see common/geometry/triangle_mesh.hpp
 
 struct NamedText {
   std::string name;  // of the particle group
@@ -68,7 +68,7 @@ struct NamedText {
 struct Configuration {
   std::string scene_text;         // JSON
   std::string origin;             // its path, for messages
-  std::vector<NamedMesh> meshes;  // of the walls with a mesh file
+  std::vector<NamedMesh> meshes;  // of the walls with a mesh file, and of shapes of contact ("BODY/SHAPE")
   std::vector<NamedText> files;   // of the particle groups with a file
   std::string backend;            // dem: "auto", "cpu", "cuda"
   std::uint32_t threads = 0;      // 0: the participant chooses

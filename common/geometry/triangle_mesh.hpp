@@ -16,7 +16,7 @@ struct TriangleMesh {
 };
 
 struct NamedMesh {
-  std::string name;  // of the wall; the mesh is in the wall shape's frame, scale applied
+  std::string name;  // of the wall or the shape; the mesh is in the shape's frame, scale applied
   TriangleMesh mesh;
 };
 

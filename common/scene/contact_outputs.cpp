@@ -93,7 +93,9 @@ std::vector<ContactOutput> parse_contact_outputs(const Node& contact, const Name
 }
 
 bool may_touch(const Scene& scene, BodyId a, BodyId b) {
-  const auto is_pair = [&](BodyId one, BodyId two) { return (one == a && two == b) || (one == b && two == a); };
+  const auto is_pair = [&](BodyId one, BodyId two) {
+    return (one == a && two == b) || (one == b && two == a);
+  };
   const auto joins = [&](const Joint& joint) {
     return joint.type != JointType::free && is_pair(joint.parent, joint.child);
   };

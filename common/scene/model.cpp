@@ -15,7 +15,18 @@ bool contact_is_computed(const Geometry& a, const Geometry& b) {
            std::holds_alternative<BoxShape>(g) || std::holds_alternative<HullShape>(g);
   };
   const auto is_plane = [](const Geometry& g) { return std::holds_alternative<PlaneShape>(g); };
-  return (is_solid(a) || is_plane(a)) && (is_solid(b) || is_plane(b)) && !(is_plane(a) && is_plane(b));
+  const auto is_mesh = [](const Geometry& g) {
+    return std::holds_alternative<MeshShape>(g) || std::holds_alternative<HeightFieldShape>(g);
+  };
+  const auto is_cylinder = [](const Geometry& g) { return std::holds_alternative<CylinderShape>(g); };
+  const auto is_known = [&](const Geometry& g) { return is_solid(g) || is_plane(g) || is_mesh(g); };
+  const auto has_faces = [&](const Geometry& g) {
+    return is_plane(g) || is_mesh(g) || std::holds_alternative<BoxShape>(g) ||
+           std::holds_alternative<HullShape>(g);
+  };
+  if (is_cylinder(a)) return has_faces(b);
+  if (is_cylinder(b)) return has_faces(a);
+  return is_known(a) && is_known(b) && !(is_plane(a) && is_plane(b)) && !(is_mesh(a) && is_mesh(b));
 }
 
 ContactMaterialPair combined(const BodyContact& contact, int a, int b) {

@@ -38,6 +38,10 @@ double scale_of(const Geometry& geometry) {
   return 1;
 }
 
+std::string contact_mesh_name(const Scene& scene, const Shape& shape) {
+  return scene.body_name(shape.body) + "/" + shape.name;
+}
+
 std::string name_of(const Geometry& geometry) {
   return std::visit(
       EachShape{[](const PlaneShape&) { return "plane"; }, [](const BoxShape&) { return "box"; },

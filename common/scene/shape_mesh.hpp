@@ -12,6 +12,10 @@ namespace tandem::scene {
 const std::string& file_of(const Geometry& geometry);
 double scale_of(const Geometry& geometry);
 
+// Name under which the solvers receive the triangles of a shape of contact with a file: "BODY/SHAPE". Names
+// of walls have no slash.
+std::string contact_mesh_name(const Scene& scene, const Shape& shape);
+
 // "cone", as in the scene.
 std::string name_of(const Geometry& geometry);
 

@@ -54,11 +54,15 @@ std::filesystem::path resolve_file(const std::string& file, const std::filesyste
 }
 
 void validate_files(const Scene& scene, const std::string& origin, const std::filesystem::path& folder) {
-  for (const Shape& shape : scene.shapes)
+  const auto require_mesh = [&](const Shape& shape) {
     if (const std::string& file = file_of(shape.geometry); !file.empty())
       require_file(resolve_file(file, folder), largest_mesh,
                    (shape.use == ShapeUse::wall ? "wall '" : "shape '") + shape.name + "'", origin,
                    shape.path + ".shape.file");
+  };
+  for (const Shape& shape : scene.shapes) require_mesh(shape);
+  if (scene.contact)
+    for (const Shape& shape : scene.contact->ground) require_mesh(shape);
   if (!scene.dem) return;
   const Dem& dem = *scene.dem;
   for (std::size_t i = 0; i < dem.particles.size(); ++i)

@@ -50,15 +50,20 @@ void validate_contact(const Scene& scene, const std::string& origin) {
     if (const auto* box = std::get_if<BoxShape>(&shape->geometry); box && !box->open.empty())
       fail(origin, at + ".open", "a box with open faces is a surface, and contact is that of a solid",
            "leave out open");
-    if (const auto* hull = std::get_if<HullShape>(&shape->geometry); hull && !hull->file.empty())
-      fail(origin, at + ".file", "contact with a hull from a file is not computed in this version",
-           "give points");
     if (const auto* capsule = std::get_if<CapsuleShape>(&shape->geometry); capsule && capsule->segments)
       fail(origin, at + ".segments", "contact is that of the round capsule", "leave out segments");
-    if (!contact_is_computed(shape->geometry, PlaneShape{}) &&
-        !std::holds_alternative<PlaneShape>(shape->geometry))
+    if (const auto* cylinder = std::get_if<CylinderShape>(&shape->geometry)) {
+      if (!cylinder->height)
+        fail(origin, at + ".height", "contact is that of a cylinder with two ends", "give the height");
+      if (!cylinder->open.empty())
+        fail(origin, at + ".open", "a cylinder with open ends is a surface, and contact is that of a solid",
+             "leave out open");
+      if (cylinder->segments)
+        fail(origin, at + ".segments", "contact is that of the round cylinder", "leave out segments");
+    }
+    if (!contact_is_computed(shape->geometry, BoxShape{}))
       fail(origin, at, "contact of a " + name_of(shape->geometry) + " is not computed in this version",
-           "use a sphere, a capsule, a box, a convex_hull or a plane");
+           "use a sphere, a capsule, a cylinder, a box, a convex_hull, a mesh, a height_field or a plane");
   }
   const auto of = [&](const Shape& shape) {
     return "the " + name_of(shape.geometry) + " '" + shape.name + "' of '" + scene.body_name(shape.body) +
@@ -71,7 +76,9 @@ void validate_contact(const Scene& scene, const std::string& origin) {
       if (!contact_is_computed(a.geometry, b.geometry))
         fail(origin, b.path + ".shape",
              "the contact of " + of(b) + " with " + of(a) + " is not computed in this version",
-             "add their bodies to mbd.contact.ignore: planes of two bodies do not touch");
+             "add their bodies to mbd.contact.ignore, or use other shapes: planes do not touch each other, "
+             "nor do "
+             "meshes and height fields, and cylinders do not touch spheres, capsules and cylinders");
       const ContactMaterialPair pair = combined(contact, a.contact_material, b.contact_material);
       const auto is_round = [](const Shape& shape) {
         return std::holds_alternative<SphereShape>(shape.geometry) ||

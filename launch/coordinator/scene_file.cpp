@@ -85,9 +85,34 @@ void make_facets(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
   }
 }
 
+// Triangles of the files of mbd.contact.ground, in the order of its shapes.
+std::vector<TriangleMesh> import_ground(const std::filesystem::path& folder, const scene::Scene& scene) {
+  std::vector<TriangleMesh> meshes;
+  if (!scene.contact) return meshes;
+  for (const scene::Shape& shape : scene.contact->ground) {
+    TriangleMesh& mesh = meshes.emplace_back();
+    if (const std::string& name = scene::file_of(shape.geometry); !name.empty())
+      mesh = import_mesh(scene::resolve_file(name, folder), scene::scale_of(shape.geometry));
+  }
+  return meshes;
+}
+
+// What the solver receives of shapes of contact with a file: triangles, and of a hull its corners.
+void send_contact_meshes(const std::vector<TriangleMesh>& in_files,
+                         const std::vector<TriangleMesh>& of_ground, SceneFile& file) {
+  const auto send = [&](const scene::Shape& shape, const TriangleMesh& in_file) {
+    if (shape.use == scene::ShapeUse::contact && !scene::file_of(shape.geometry).empty())
+      file.meshes.push_back({scene::contact_mesh_name(file.scene, shape),
+                             scene::mesh_of(shape, in_file, drawn_segments, file.origin)});
+  };
+  for (std::size_t i = 0; i < in_files.size(); ++i) send(file.scene.shapes[i], in_files[i]);
+  for (std::size_t i = 0; i < of_ground.size(); ++i) send(file.scene.contact->ground[i], of_ground[i]);
+}
+
 // Shapes that are no walls, in frames whose origin is the centre of mass; those of contact of the ground are
 // in the world.
-void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
+void draw(const std::vector<TriangleMesh>& in_files, const std::vector<TriangleMesh>& of_ground,
+          SceneFile& file) {
   for (std::size_t i = 0; i < in_files.size(); ++i) {
     const scene::Shape& shape = file.scene.shapes[i];
     if (shape.use != scene::ShapeUse::wall && scene::is_bounded(shape.geometry))
@@ -95,23 +120,26 @@ void draw(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
           {shape.body, shape.name,
            transformed(scene::mesh_of(shape, in_files[i], drawn_segments, file.origin), shape.pose)});
   }
-  if (!file.scene.contact) return;
-  for (const scene::Shape& shape : file.scene.contact->ground)
-    if (scene::is_bounded(shape.geometry))
-      file.drawn.push_back({ground, shape.name,
-                            transformed(scene::mesh_of(shape, {}, drawn_segments, file.origin), shape.pose)});
+  for (std::size_t i = 0; i < of_ground.size(); ++i)
+    if (const scene::Shape& shape = file.scene.contact->ground[i]; scene::is_bounded(shape.geometry))
+      file.drawn.push_back(
+          {ground, shape.name,
+           transformed(scene::mesh_of(shape, of_ground[i], drawn_segments, file.origin), shape.pose)});
 }
 
 // Replaces shapes, orientations and poses by what solvers know.
 void make_plain(const std::filesystem::path& folder, SceneFile& file) {
-  const std::vector<TriangleMesh> in_files = import_meshes(folder, file);
+  const std::vector<TriangleMesh> in_files = import_meshes(folder, file),
+                                  of_ground = import_ground(folder, file.scene);
   if (file.scene.is_plain) {
-    draw(in_files, file);
+    send_contact_meshes(in_files, of_ground, file);
+    draw(in_files, of_ground, file);
     return;
   }
   make_facets(in_files, file);
+  send_contact_meshes(in_files, of_ground, file);
   file.shaped = scene::take_mass_from_shapes(file.scene, in_files, file.origin, file.warnings);
-  draw(in_files, file);
+  draw(in_files, of_ground, file);
   file.text = scene::plain_text(file.text, file.scene, file.origin);
   file.scene = scene::parse(file.text, file.origin);
 }

@@ -47,15 +47,16 @@ struct SceneFile {
   // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
   // scene.
   std::string text;
-  std::string origin;                       // path of the file, for messages
-  scene::Scene scene;                       // parsed and validated
-  std::vector<std::string> warnings;        // problems that the user should see with the results
-  std::vector<std::string> notes;           // useful information before a run
-  std::vector<protocol::NamedMesh> meshes;  // of the walls with a mesh file, then of those made of facets
-  std::vector<ImportedMesh> mesh_facts;     // of the walls with a mesh file, in the same order
-  std::vector<scene::ShapedBody> shaped;    // bodies whose mass follows from their shapes
-  std::vector<BodyMesh> drawn;              // shapes with use `graphics`, by their own names
-  std::vector<protocol::NamedText> files;   // of the particle groups with a file, also of those placed
+  std::string origin;                 // path of the file, for messages
+  scene::Scene scene;                 // parsed and validated
+  std::vector<std::string> warnings;  // problems that the user should see with the results
+  std::vector<std::string> notes;     // useful information before a run
+  // Of the walls with a mesh file, then of those made of facets, then of shapes of contact with a file.
+  std::vector<protocol::NamedMesh> meshes;
+  std::vector<ImportedMesh> mesh_facts;    // of the walls with a mesh file, in the same order
+  std::vector<scene::ShapedBody> shaped;   // bodies whose mass follows from their shapes
+  std::vector<BodyMesh> drawn;             // shapes with use `graphics`, by their own names
+  std::vector<protocol::NamedText> files;  // of the particle groups with a file, also of those placed
   std::vector<PlacedGroup> placed;
   std::optional<SettledBed> settled;
   std::vector<std::string> log;  // of settling and of its cache

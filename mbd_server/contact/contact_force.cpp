@@ -107,6 +107,8 @@ ContactFeature feature_of(const ContactColumn& column) {
   f.kind = static_cast<ContactFeature::Kind>(column[ContactRow::kind]);
   f.code = static_cast<std::int64_t>(column[ContactRow::code]);
   f.by_place = column[ContactRow::by_place] != 0;
+  f.on_mesh = column[ContactRow::on_mesh] != 0;
+  f.face = static_cast<int>(column[ContactRow::face]);
   f.place_a = column.segment<3>(ContactRow::place_a), f.axis_a = column.segment<3>(ContactRow::axis_a);
   f.place_b = column.segment<3>(ContactRow::place_b), f.axis_b = column.segment<3>(ContactRow::axis_b);
   f.radius_a = column[ContactRow::radius_a], f.radius_b = column[ContactRow::radius_b];
@@ -118,6 +120,8 @@ void set_feature(const ContactFeature& f, Eigen::Ref<ContactColumn> column) {
   column[ContactRow::kind] = static_cast<double>(f.kind);
   column[ContactRow::code] = static_cast<double>(f.code);
   column[ContactRow::by_place] = f.by_place;
+  column[ContactRow::on_mesh] = f.on_mesh;
+  column[ContactRow::face] = f.face;
   column.segment<3>(ContactRow::place_a) = f.place_a, column.segment<3>(ContactRow::axis_a) = f.axis_a;
   column.segment<3>(ContactRow::place_b) = f.place_b, column.segment<3>(ContactRow::axis_b) = f.axis_b;
   column[ContactRow::radius_a] = f.radius_a, column[ContactRow::radius_b] = f.radius_b;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mbd_server/contact/features.hpp"
+#include "mbd_server/contact/mesh_features.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -11,20 +11,13 @@ namespace {
 using Kind = ContactShape::Kind;
 using Points = std::vector<Vector3d>;
 
-// Two lines whose angle has a sine below this count as parallel.
 // Ends of two parallel rods within this share of their length are opposite each other.
 constexpr double same_end = 1e-6;
-constexpr double parallel = 0.05;
 // The axis of the last step stays unless another one is better by this share of the smaller thickness.
 constexpr double hysteresis = 0.02;
 // Points of one face nearer to each other than this share of its size are one.
 constexpr double merged = 1e-4;
 
-enum class Family : std::int64_t { corner = 0, end_a, end_b, lines, face_a, face_b, hull };
-
-std::int64_t code_of(Family family, std::int64_t first, std::int64_t second = 0) {
-  return (static_cast<std::int64_t>(family) << 40) | (first << 20) | second;
-}
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
@@ -66,6 +59,17 @@ class FeatureFinder {
     const Vector3d n = plane.link.R_WL * plane.shape.axes.col(2), o = plane.centre;
     for (std::size_t i = 0; i < a.points.size(); ++i) {
       if (n.dot(a.points[i] - o) - a.shape.radius > reach_) continue;
+      if (a.shape.kind == Kind::cylinder) {
+        ContactFeature f;
+        f.kind = ContactFeature::Kind::rim_on_plane;
+        f.a = a.index, f.b = plane.index;
+        f.code = code_of(Family::corner, static_cast<std::int64_t>(i));
+        f.place_a = a.shape.points[i], f.axis_a = a.shape.axis();
+        f.radius_a = a.shape.radius;
+        f.place_b = plane.shape.centre, f.axis_b = plane.shape.axes.col(2);
+        out_.push_back(f);
+        continue;
+      }
       ball_on_plane(a, a.shape.points[i], a.shape.radius, plane, plane.shape.centre, plane.shape.axes.col(2),
                     code_of(Family::corner, static_cast<std::int64_t>(i)));
     }
@@ -324,10 +328,31 @@ class FeatureFinder {
   std::vector<ContactFeature>& out_;
 };
 
+// Whether shape a is touched as a mesh by b.
+bool on_surface(Kind a, Kind b) {
+  if (b == Kind::cylinder) return a == Kind::mesh || a == Kind::box || a == Kind::hull;
+  return a == Kind::mesh && b != Kind::plane;
+}
+
 }  // namespace
 
+double thickness_at(const Model& model, const ContactFeature& feature) {
+  double least = HUGE_VAL;
+  for (const int i : {feature.a, feature.b}) {
+    const ContactShape& shape = model.contact.shape(i);
+    if (shape.kind == Kind::plane) continue;
+    const ContactShape& other = model.contact.shape(feature.a + feature.b - i);
+    const bool by_face = feature.face != none && on_surface(shape.kind, other.kind);
+    least = std::min(least, by_face ? shape.mesh->face(feature.face).thickness : shape.thickness);
+  }
+  return least;
+}
+
 void find_features(const Model& model, int one, int two, const std::vector<LinkMotion>& links, double reach,
-                   std::int64_t preferred, std::vector<ContactFeature>& features) {
+                   std::int64_t preferred, std::vector<ContactFeature>& features, double depth) {
+  for (const auto& [mesh, other] : {std::pair{one, two}, std::pair{two, one}})
+    if (on_surface(model.contact.shape(mesh).kind, model.contact.shape(other).kind))
+      return find_mesh_features(model, other, mesh, links, reach, depth, features);
   const Solid a(model, one, links), b(model, two, links);
   FeatureFinder finder(a, b, reach, preferred, features);
   const Kind ka = a.shape.kind, kb = b.shape.kind;

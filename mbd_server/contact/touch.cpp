@@ -1,5 +1,7 @@
 #include "mbd_server/contact/touch.hpp"
 
+#include "mbd_server/contact/rim.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -147,7 +149,10 @@ Crossing crossing(const Model& model, const ContactFeature& f, const std::vector
 double gap(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links, double* rate) {
   Vector3d n, c;
   double length = 0;
-  if (f.kind == ContactFeature::Kind::lines) {
+  if (is_rim(f)) {
+    const Touch t = touch_rim(model, f, links, Derivatives::without);
+    n = t.n, c = t.p, length = t.gap + f.radius_a;
+  } else if (f.kind == ContactFeature::Kind::lines) {
     const Crossing x = crossing(model, f, links);
     n = x.n, c = x.c, length = x.length;
   } else {
@@ -156,6 +161,13 @@ double gap(const Model& model, const ContactFeature& f, const std::vector<LinkMo
   }
   if (rate) *rate = n.dot(at_point(link_of(model, f.b, links).V - link_of(model, f.a, links).V, c));
   return length - f.radius_a - f.radius_b;
+}
+
+Vector3d foot(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links) {
+  if (is_rim(f)) return foot_of_rim(model, f, links);
+  const Vector3d o =
+      f.kind == ContactFeature::Kind::lines ? crossing(model, f, links).o : nearest(model, f, links).o;
+  return in_link(link_of(model, f.b, links), o);
 }
 
 namespace {
@@ -193,6 +205,7 @@ Touch touch_lines(const Model& model, const ContactFeature& f, const std::vector
 Touch touch(const Model& model, const ContactFeature& f, const std::vector<LinkMotion>& links,
             Derivatives derivatives) {
   if (f.kind == ContactFeature::Kind::lines) return touch_lines(model, f, links, derivatives);
+  if (is_rim(f)) return touch_rim(model, f, links, derivatives);
   const Nearest x = nearest(model, f, links);
   Touch t;
   t.n = x.n;

@@ -11,6 +11,10 @@ using Matrix3x6d = Eigen::Matrix<double, 3, 6>;
 double gap(const Model& model, const ContactFeature& feature, const std::vector<LinkMotion>& links,
            double* rate = nullptr);
 
+// Place on the surface of b where the ball of a, or the line of a, is nearest to it; in the frame of link b
+// [m].
+Vector3d foot(const Model& model, const ContactFeature& feature, const std::vector<LinkMotion>& links);
+
 struct Touch {
   Vector3d n;      // normal, from a to b, unit
   Vector3d p;      // point of contact: in the middle between the two surfaces along n [m]

@@ -66,8 +66,8 @@ std::unique_ptr<protocol::MotionSolver> make_solver() {
   return std::make_unique<MbdSolver>();
 }
 
-MbdSolver::Machine::Machine(const scene::Scene& scene)
-    : model(build_model(scene)),
+MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMesh>& meshes)
+    : model(build_model(scene, meshes)),
       system(model),
       state(initial_state(model, scene)),
       assembly(assemble(scene, model, system, state)),
@@ -114,11 +114,11 @@ protocol::Configured MbdSolver::configure(const protocol::Configuration& configu
   scene::expect_masses(scene, configuration.origin);
   if (scene.mbd)
     scene::expect_no_solver_options(scene.mbd->solver_options, configuration.origin, "mbd", "mbd_server");
-  return configure(scene);
+  return configure(scene, configuration.meshes);
 }
 
-protocol::Configured MbdSolver::configure(const scene::Scene& scene) {
-  machine_ = std::make_unique<Machine>(scene);
+protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+  machine_ = std::make_unique<Machine>(scene, meshes);
   const Model& model = machine_->model;
   step_ = scene.mbd->integrator.step;
   tolerance_ = scene.mbd->integrator.assembly_tolerance;

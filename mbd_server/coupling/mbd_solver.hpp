@@ -26,7 +26,7 @@ class MbdSolver final : public protocol::MotionSolver {
  public:
   protocol::Configured configure(const protocol::Configuration& configuration) override;
   // The same for a scene that is parsed already.
-  protocol::Configured configure(const scene::Scene& scene);
+  protocol::Configured configure(const scene::Scene& scene, const std::vector<NamedMesh>& meshes = {});
   const protocol::MotionSet& predict(const Window& window) override;
   const protocol::MotionSet& extrapolate(const Window& window) override;
   const protocol::MotionSet& advance(const protocol::LoadSet& loads) override;
@@ -48,7 +48,7 @@ class MbdSolver final : public protocol::MotionSolver {
  private:
   // Created by each configure().
   struct Machine {
-    explicit Machine(const scene::Scene& scene);
+    Machine(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
     Model model;
     MachineSystem system;
     State state;  // assembled

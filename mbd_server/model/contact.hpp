@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mbd_server/model/contact_mesh.hpp"
 #include "mbd_server/model/indices.hpp"
 #include "mbd_server/spatial/spatial.hpp"
 
@@ -13,18 +15,20 @@ namespace tandem::mbd {
 
 // All in the frame of the link.
 struct ContactShape {
-  enum class Kind { plane, sphere, capsule, box, hull } kind = Kind::sphere;
+  enum class Kind { plane, sphere, capsule, box, hull, mesh, cylinder } kind = Kind::sphere;
   std::string name;  // shape "tread" of body "wheel"
   int body = none;   // body of the scene; none: ground
   LinkIndex link = 0;
   int material = 0;
-  double radius = 0;                      // of sphere and capsule [m]
+  double radius = 0;                      // of sphere, capsule and cylinder [m]
   Vector3d centre = Vector3d::Zero();     // a point of the plane; else of the bounding sphere [m]
   Matrix3d axes = Matrix3d::Identity();   // of the box, as columns; the last is the plane's normal [-]
   Vector3d half_size = Vector3d::Zero();  // of the box [m]
   double bound = 0;                       // radius of the bounding sphere about `centre` [m]
-  double thickness = 0;                   // a body that moves by less does not pass through it [m]
-  // Of the sphere its centre, of the capsule the ends of its axis, of box and hull the corners [m].
+  double thickness =
+      0;  // a body that moves by less does not pass through it; where a mesh is touched that of its faces [m]
+  // Of the sphere its centre, of capsule and cylinder the ends of the axis, of box and hull the corners, of a
+  // mesh those of its convex hull [m].
   std::vector<Vector3d> points{};
   // Of box and hull: faces as corners in the order of the outward normal, edges as two corners. Each edge has
   // the indices of its two faces.
@@ -37,8 +41,12 @@ struct ContactShape {
     std::array<int, 2> faces{};
   };
   std::vector<Face> faces{};
-  std::vector<Edge> edges{};  // of the capsule its axis, without faces
+  std::vector<Edge> edges{};  // of capsule and cylinder the axis, without faces
+  // Of a mesh or height field; and of box and hull, where there are cylinders.
+  std::shared_ptr<const ContactMesh> mesh{};
 
+  // Direction of the axis of capsule and cylinder.
+  Vector3d axis() const { return (points[1] - points[0]).normalized(); }
   bool is_polytope() const { return kind == Kind::box || kind == Kind::hull; }
 };
 

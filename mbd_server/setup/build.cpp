@@ -79,9 +79,12 @@ bool has_coordinate(JointType type) {
 
 class Builder {
  public:
-  explicit Builder(const scene::Scene& scene)
-      : scene_(scene), mbd_(*scene.mbd), topology_(find_topology(scene)), place_{scene, topology_, {}, {},
-                                                                                 {},    {},        {}} {}
+  Builder(const scene::Scene& scene, const std::vector<NamedMesh>& meshes)
+      : scene_(scene),
+        mbd_(*scene.mbd),
+        meshes_(meshes),
+        topology_(find_topology(scene)),
+        place_{scene, topology_, {}, {}, {}, {}, {}} {}
 
   Model build() {
     model_.gravity = to_eigen(scene_.gravity);
@@ -97,7 +100,7 @@ class Builder {
     number_coordinates();
     place_closures(place_, model_);
     place_forces(place_, model_);
-    place_contacts(place_, model_);
+    place_contacts(place_, meshes_, model_);
     find_boundary();
     find_breaks();
     find_what_can_be_left_out();
@@ -360,6 +363,7 @@ class Builder {
 
   const scene::Scene& scene_;
   const scene::Mbd& mbd_;
+  const std::vector<NamedMesh>& meshes_;
   const Topology topology_;
   Placement place_;
   Model model_;
@@ -371,9 +375,9 @@ class Builder {
 
 }  // namespace
 
-Model build_model(const scene::Scene& scene) {
+Model build_model(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
   if (!scene.mbd) throw Error(ErrorCode::scene, "the scene has no multibody part", "mbd");
-  return Builder(scene).build();
+  return Builder(scene, meshes).build();
 }
 
 State initial_state(const Model& model, const scene::Scene& scene) {

@@ -6,6 +6,8 @@
 
 #include "common/error.hpp"
 #include "common/geometry/convex_hull.hpp"
+#include "common/geometry/solid_mesh.hpp"
+#include "common/scene/shape_mesh.hpp"
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/setup/placement.hpp"
 
@@ -19,6 +21,15 @@ struct ContactPlacer {
   const Placement& at;
   Model& model;
   const scene::BodyContact& contact;
+  const std::vector<NamedMesh>& meshes;
+
+  const TriangleMesh& file_of(const scene::Shape& shape) const {
+    const std::string name = scene::contact_mesh_name(at.scene, shape);
+    for (const NamedMesh& mesh : meshes)
+      if (mesh.name == name) return mesh.mesh;
+    throw Error(ErrorCode::scene, "the solver has not received the triangles of " + name,
+                shape.path + ".shape.file", "send them with the scene, as tandem does");
+  }
 
   void add(const scene::Shape& shape) {
     const bool on_ground = shape.body == ground;
@@ -47,6 +58,14 @@ struct ContactPlacer {
       s.bound = capsule->radius + 0.5 * capsule->height;
       for (const double end : {-0.5, 0.5}) s.points.push_back(local({0, 0, end * capsule->height}));
       s.edges = {{0, 1, {}}};
+    } else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&shape.geometry)) {
+      s.kind = ContactShape::Kind::cylinder;
+      const double half = 0.5 * *cylinder->height;
+      s.radius = cylinder->radius;
+      s.thickness = std::min(s.radius, half);
+      s.bound = std::hypot(s.radius, half);
+      for (const double end : {-half, half}) s.points.push_back(local({0, 0, end}));
+      s.edges = {{0, 1, {}}};
     } else if (const auto* box = std::get_if<scene::BoxShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::box;
       s.half_size = 0.5 * to_eigen(box->size);
@@ -62,16 +81,12 @@ struct ContactPlacer {
       finish(s);
     } else if (const auto* hull = std::get_if<scene::HullShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::hull;
-      add_hull(*hull, shape, s);
-      for (Vector3d& p : s.points) p = local(p);
-      s.centre.setZero();
-      for (const Vector3d& p : s.points) s.centre += p / static_cast<double>(s.points.size());
-      for (const Vector3d& p : s.points) s.bound = std::max(s.bound, (p - s.centre).norm());
-      finish(s);
-      s.thickness = HUGE_VAL;
-      for (const ContactShape::Face& face : s.faces)
-        s.thickness = std::min(
-            s.thickness, face.normal.dot(s.points[static_cast<std::size_t>(face.corners[0])] - s.centre));
+      add_hull(hull->file.empty() ? hull->points : file_of(shape).vertices, shape, s);
+      finish_hull(s, local);
+    } else if (std::holds_alternative<scene::MeshShape>(shape.geometry)) {
+      add_mesh(file_of(shape), shape, s, local);
+    } else if (const auto* field = std::get_if<scene::HeightFieldShape>(&shape.geometry)) {
+      add_mesh(height_field_mesh(field->size_x, field->size_y, field->heights, field->base), shape, s, local);
     } else if (const auto* plane = std::get_if<scene::PlaneShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::plane;
       s.centre = place(plane->point).p_LP;
@@ -84,6 +99,51 @@ struct ContactPlacer {
       throw Error(ErrorCode::scene, "contact of bodies is not computed for this shape", shape.path);
     }
     model.contact.shapes.push_back(std::move(s));
+  }
+
+  template <class Local>
+  static void finish_hull(ContactShape& s, const Local& local) {
+    for (Vector3d& p : s.points) p = local(p);
+    s.centre.setZero();
+    for (const Vector3d& p : s.points) s.centre += p / static_cast<double>(s.points.size());
+    for (const Vector3d& p : s.points) s.bound = std::max(s.bound, (p - s.centre).norm());
+    finish(s);
+    s.thickness = HUGE_VAL;
+    for (const ContactShape::Face& face : s.faces)
+      s.thickness = std::min(s.thickness,
+                             face.normal.dot(s.points[static_cast<std::size_t>(face.corners[0])] - s.centre));
+  }
+
+  // On a plane a mesh touches with the corners of its hull; a flat one is fixed to the ground.
+  template <class Local>
+  void add_mesh(const TriangleMesh& mesh, const scene::Shape& shape, ContactShape& s, const Local& local) {
+    if (s.link != 0) {
+      add_hull(mesh.vertices, shape, s);
+      finish_hull(s, local);
+      s.faces.clear(), s.edges.clear();
+    }
+    s.kind = ContactShape::Kind::mesh;
+    std::vector<Vector3d> vertices;
+    for (const Vec3d& p : mesh.vertices) vertices.push_back(local(to_eigen(p)));
+    s.mesh = std::make_shared<ContactMesh>(vertices, mesh.triangles, shape.path + ".shape");
+    s.centre = s.mesh->centre();
+    s.bound = s.mesh->bound();
+  }
+
+  // Cylinders touch boxes and hulls as meshes.
+  void add_surfaces() {
+    const auto is_cylinder = [](const ContactShape& s) { return s.kind == ContactShape::Kind::cylinder; };
+    if (std::ranges::none_of(model.contact.shapes, is_cylinder)) return;
+    for (ContactShape& s : model.contact.shapes) {
+      if (!s.is_polytope()) continue;
+      std::vector<std::array<std::uint32_t, 3>> triangles;
+      for (const ContactShape::Face& face : s.faces)
+        for (std::size_t i = 1; i + 1 < face.corners.size(); ++i)
+          triangles.push_back({static_cast<std::uint32_t>(face.corners[0]),
+                               static_cast<std::uint32_t>(face.corners[i]),
+                               static_cast<std::uint32_t>(face.corners[i + 1])});
+      s.mesh = std::make_shared<ContactMesh>(s.points, triangles, "mbd.contact");
+    }
   }
 
   // Normals of the faces; edges with their two faces.
@@ -108,10 +168,11 @@ struct ContactPlacer {
   }
 
   // Corners of a hull in the frame of the shape, and its faces: triangles in one plane are one face.
-  static void add_hull(const scene::HullShape& hull, const scene::Shape& shape, ContactShape& s) {
-    const std::optional<TriangleMesh> mesh = convex_hull(hull.points);
+  static void add_hull(const std::vector<Vec3d>& points, const scene::Shape& shape, ContactShape& s) {
+    const std::optional<TriangleMesh> mesh = convex_hull(points);
     if (!mesh)
-      throw Error(ErrorCode::scene, "the points of the hull are in one plane", shape.path + ".shape");
+      throw Error(ErrorCode::scene, "the points of the shape are in one plane", shape.path + ".shape",
+                  "add points outside of it");
     std::vector<int> corner_of(mesh->vertices.size(), none);
     const auto corner = [&](std::uint32_t v) {
       int& c = corner_of[v];
@@ -127,7 +188,7 @@ struct ContactPlacer {
       std::set<std::pair<int, int>> boundary{};  // corner to corner
     };
     double size = 0;
-    for (const Vec3d& p : hull.points) size = std::max(size, norm(p - hull.points[0]));
+    for (const Vec3d& p : points) size = std::max(size, norm(p - points[0]));
     std::vector<Plane> planes;
     for (const auto& triangle : mesh->triangles) {
       const int c[3] = {corner(triangle[0]), corner(triangle[1]), corner(triangle[2])};
@@ -233,10 +294,10 @@ ContactLaw BodyContactModel::law(int a, int b) const {
   return law;
 }
 
-void place_contacts(const Placement& placement, Model& model) {
+void place_contacts(const Placement& placement, const std::vector<NamedMesh>& meshes, Model& model) {
   const scene::Scene& scene = placement.scene;
   if (!scene.contact) return;
-  ContactPlacer placer{placement, model, *scene.contact};
+  ContactPlacer placer{placement, model, *scene.contact, meshes};
   std::vector<const scene::Shape*> sources;  // (shapes)
   const auto add = [&](const scene::Shape& shape) {
     placer.add(shape);
@@ -245,6 +306,7 @@ void place_contacts(const Placement& placement, Model& model) {
   for (const scene::Shape& shape : scene.contact->ground) add(shape);
   for (const scene::Shape& shape : scene.shapes)
     if (shape.use == scene::ShapeUse::contact) add(shape);
+  placer.add_surfaces();
   placer.find_apart();
   place_outputs(placement, sources, model.contact);
   const int count = static_cast<int>(scene.contact->materials.size());

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "common/geometry/triangle_mesh.hpp"
 #include "common/scene/element_columns.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/setup/topology.hpp"
@@ -30,7 +31,8 @@ struct Placement {
 // Parts of build_model(); they need the links, bodies and joints of the model.
 void place_closures(const Placement& placement, Model& model);
 void place_forces(const Placement& placement, Model& model);
-void place_contacts(const Placement& placement, Model& model);
+// `meshes`: as of build_model().
+void place_contacts(const Placement& placement, const std::vector<NamedMesh>& meshes, Model& model);
 void add_stiction(Model& model);
 // `inputs`: names of the control inputs.
 void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,

@@ -44,6 +44,8 @@ struct ContactRow {
     kind,
     code,
     by_place,
+    on_mesh,
+    face,
     radius_a,
     radius_b,
     place_a,               // (3)

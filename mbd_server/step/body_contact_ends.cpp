@@ -32,8 +32,8 @@ double BodyContacts::part_of_step(const ContactLaw& law) {
   return 1 / std::sqrt(1 + 0.5 * law.damping_number);
 }
 
-void BodyContacts::set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a, const LinkMotion& b,
-                        Eigen::Ref<ContactColumn> column) {
+void BodyContacts::set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
+                                      const LinkMotion& b, Eigen::Ref<ContactColumn> column) {
   column.segment<3>(ContactRow::roll_a) = a.R_WL.transpose() * on_a;
   column.segment<3>(ContactRow::roll_b) = b.R_WL.transpose() * on_b;
 }
@@ -119,7 +119,7 @@ void BodyContacts::accept(State& state, double h) {
     const double done = work(column, begin, at_end_[static_cast<std::size_t>(index)], h);
     const int shape_a = candidate.feature.a, shape_b = candidate.feature.b;
     extremes_.force = std::max(extremes_.force, f.normal);
-    if (const double share = -f.gap / thinner(shape_a, shape_b); share > extremes_.depth_share)
+    if (const double share = -f.gap / thickness_at(model_, candidate.feature); share > extremes_.depth_share)
       extremes_.depth_share = share, extremes_.shape_a = shape_a, extremes_.shape_b = shape_b;
     if (f.gap > 0) {
       lose(begin.energy - done, shape_a, shape_b);

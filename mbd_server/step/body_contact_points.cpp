@@ -20,6 +20,9 @@ void BodyContacts::find(State& state, double h) {
   const auto& links = system_.links();
   find_pairs(model_, links, h, pairs_);
   candidates_.clear();
+  watches_.clear();
+  turned_ = false;
+  std::vector<std::size_t> held;
   std::vector<bool> taken(static_cast<std::size_t>(state.contacts.cols()), false);
   std::vector<Eigen::Index> kept;
   by_pair_.clear();
@@ -35,12 +38,27 @@ void BodyContacts::find(State& state, double h) {
         points.empty() ? -1
                        : static_cast<std::int64_t>(state.contacts(ContactRow::code, points.back().column));
     features_.clear();
-    find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_);
+    const ContactShape &one = model_.contact.shape(pair.a), &two = model_.contact.shape(pair.b);
+    double depth = 0;
+    if (one.mesh || two.mesh) {
+      if (h == 0) depth = std::min(one.bound, two.bound);
+      for (const OfPair& point : points)
+        depth = std::max(depth, -gap(model_, feature_of(state.contacts.col(point.column)), links));
+    }
+    find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_, depth);
     for (const ContactFeature& feature : features_) {
+      if (feature.kind == ContactFeature::Kind::watch) {
+        watches_.push_back({candidates_.size(), std::exchange(held, {}), pair.reach, depth});
+        candidates_.push_back({feature, -1});
+        continue;
+      }
       const Eigen::Index column = matching(state, feature, points, taken);
+      if (column < 0 && feature.on_mesh) continue;  // its watch sees it
+      if (feature.on_mesh) held.push_back(candidates_.size());
       candidates_.push_back({feature, column});
       if (column < 0) continue;
       taken[static_cast<std::size_t>(column)] = true;
+      if (feature.on_mesh) turned_ |= follow(state, feature, column);
       set_feature(feature, state.contacts.col(column));
       kept.push_back(column);
     }
@@ -64,16 +82,16 @@ BodyContacts::Range BodyContacts::of_pair(int a, int b) const {
 Eigen::Index BodyContacts::matching(const State& state, const ContactFeature& f, Range points,
                                     const std::vector<bool>& taken) const {
   Eigen::Index found = -1;
-  double nearest = HUGE_VAL;
+  double nearest = f.on_mesh ? same_foot(f) : same_place * model_.contact.shape(f.a).bound;
   for (const OfPair& point : points) {
     const Eigen::Index k = point.column;
     if (taken[static_cast<std::size_t>(k)]) continue;
     const ContactFeature g = feature_of(state.contacts.col(k));
     if (g.a != f.a || g.b != f.b || g.code != f.code) continue;
-    if (!f.by_place) return k;
-    const double distance = (g.place_a - f.place_a).norm();
-    if (distance < nearest && distance < same_place * model_.contact.shape(f.a).bound)
-      nearest = distance, found = k;
+    if (!f.by_place && !f.on_mesh) return k;
+    const double distance =
+        f.on_mesh ? (foot(model_, g, system_.links()) - f.place_b).norm() : (g.place_a - f.place_a).norm();
+    if (distance < nearest) nearest = distance, found = k;
   }
   return found;
 }
@@ -95,15 +113,20 @@ void BodyContacts::keep(State& state, const std::vector<Eigen::Index>& columns) 
 }
 
 // Points within the tolerance whose shapes approach each other, or are pressed together, come into contact.
-bool BodyContacts::enter_all(State& state) {
+bool BodyContacts::enter_all(State& state, bool at_start) {
   const auto& links = system_.links();
   entries_.clear();
-  for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    if (candidates_[i].column >= 0) continue;
+  for (Watch& watch : watches_) enter_watched(watch, at_start);
+  const std::size_t count = candidates_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (candidates_[i].column >= 0 || candidates_[i].feature.kind == ContactFeature::Kind::watch ||
+        candidates_[i].feature.on_mesh)
+      continue;
     double rate = 0;
     const double distance = gap(model_, candidates_[i].feature, links, &rate);
     if (!(distance <= tolerance_)) continue;
     if (rate > 0 && distance >= -tolerance_) continue;
+    expect_round_side(candidates_[i].feature, distance);
     entries_.push_back({i, std::max(0.0, -rate)});
   }
   if (entries_.empty()) return false;
@@ -229,10 +252,17 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
                        links[static_cast<std::size_t>(b.link)], column);
   }
   state.contacts.col(index) = column;
+  shorten(state, column);
+  ++counters_.contacts;
+}
+
+// The next steps resolve an impact of this point.
+void BodyContacts::shorten(State& state, const ContactColumn& column) {
+  const ContactLaw law = model_.contact.law(static_cast<int>(column[ContactRow::shape_a]),
+                                            static_cast<int>(column[ContactRow::shape_b]));
   double& touch_step = state.touch_step[0];
   const double part = column[ContactRow::period] / steps_per_contact * part_of_step(law);
   touch_step = touch_step > 0 ? std::min(touch_step, part) : part;
-  ++counters_.contacts;
 }
 
 }  // namespace tandem::mbd

@@ -17,6 +17,9 @@ constexpr double largest_turn = 0.5;
 // A step that passes the end of a contact within these shares of its length is not cut; one that is cut
 // passes the end by at most late_share.
 constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
+// A ball on a mesh: the distance to the feature that the step holds may differ from that to the mesh by this
+// share of the depth.
+constexpr double off_share = 1e-3;
 // Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
 constexpr double start_overlap = 0.1;
 
@@ -53,7 +56,8 @@ void BodyContacts::prepare(State& state) {
   state.contact_wrench.setZero(6, std::ssize(model_.boundary));
   system_.residual(state);
   find(state, 0);
-  enter_all(state);
+  expect_outside();
+  enter_all(state, true);
   if (records_impulses_) record(state, at_begin_, state.contact_wrench);
   expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
                "move one of them: they would be thrown apart");
@@ -66,20 +70,15 @@ void BodyContacts::expect_apart(const State& state, double share, ErrorCode code
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
     const auto column = state.contacts.col(k);
     const double depth = -evaluate(model_, column, system_.links(), Derivatives::without).gap;
-    const auto a = static_cast<int>(column[ContactRow::shape_a]),
-               b = static_cast<int>(column[ContactRow::shape_b]);
-    if (!(depth > share * thinner(a, b))) continue;
-    throw Error(
-        code,
-        fmt::format("{} and {} {}, by {:.3g} m; the thinner one reaches {:.3g} m from its middle",
-                    model_.contact.shape(a).name, model_.contact.shape(b).name, what, depth, thinner(a, b)),
-        "mbd.contact", hint);
+    const ContactFeature feature = feature_of(column);
+    const double thinner = thickness_at(model_, feature);
+    if (!(depth > share * thinner)) continue;
+    throw Error(code,
+                fmt::format("{} and {} {}, by {:.3g} m; the thinner one reaches {:.3g} m from its middle",
+                            model_.contact.shape(feature.a).name, model_.contact.shape(feature.b).name, what,
+                            depth, thinner),
+                "mbd.contact", hint);
   }
-}
-
-// From the surface to the middle of the thinner shape [m].
-double BodyContacts::thinner(int shape_a, int shape_b) const {
-  return std::min(model_.contact.shape(shape_a).thickness, model_.contact.shape(shape_b).thickness);
 }
 
 void BodyContacts::lose(double energy, int shape_a, int shape_b) {
@@ -93,7 +92,7 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   system_.residual(state);
   find(state, h);
   system_.residual(state);
-  if (enter_all(state)) start_method(state);
+  if (enter_all(state) || turned_) start_method(state);
   measure(state, gaps_before_);
   before_ = state;
   stops_before_ = stops_.mark();
@@ -121,8 +120,15 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
 void BodyContacts::measure(State& state, Gaps& gaps) {
   system_.residual(state);
   gaps.resize(candidates_.size());
-  for (std::size_t i = 0; i < candidates_.size(); ++i)
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (candidates_[i].feature.kind == ContactFeature::Kind::watch) continue;
+    gaps[i] = {};
     gaps[i].value = gap(model_, candidates_[i].feature, system_.links(), &gaps[i].rate);
+  }
+  for (const Watch& watch : watches_) {
+    uncovered(watch, features_, &gaps);
+    measure_watch(features_, gaps[watch.candidate]);
+  }
 }
 
 // Estimates when a step of length h, from gaps_before_ to gaps_, passes the first begin or end of a contact.
@@ -134,6 +140,8 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
   for (std::size_t column = 0; column < candidates_.size(); ++column) {
     const Gap &g0 = gaps_before_[column], &g1 = gaps_[column];
     if (candidates_[column].column >= 0) {
+      if (std::abs(g1.off) > std::max(tolerance_, off_share * -g1.value))
+        add(h - g1.since, Change::follows, column);
       if (!(g0.value < 0 && g1.value > 0)) continue;
       const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
       const double at = bisect(path);
@@ -172,12 +180,21 @@ double BodyContacts::repeat(State& state, double h, const Stride& stride) {
 double BodyContacts::cut(State& state, double h, const Passage& first, const Stride& stride) {
   double low = 0, high = h, part = first.time;
   if (first.change == Change::ends) part += 0.5 * late_share * h;
+  if (first.change == Change::follows) part = std::min(part + 0.5 * late_share * h, h);
   for (int i = 0;; ++i) {
     const double taken = repeat(state, part, stride);
     double deepest = HUGE_VAL, rate = 0;
     for (std::size_t k = 0; k < candidates_.size(); ++k)
       if (const Gap& g = gaps_[k]; candidates_[k].column < 0 && g.value < deepest)
         deepest = g.value, rate = g.rate;
+    if (first.change == Change::follows && deepest >= -tolerance_) {
+      const Gap& g = gaps_[first.candidate];
+      if (std::abs(g.off) <= std::max(tolerance_, off_share * -g.value) || i >= 8 || taken < part)
+        return taken;
+      high = taken;
+      part = std::max(taken - g.since + 0.5 * late_share * h, 0.5 * taken);
+      continue;
+    }
     if (first.change == Change::ends && deepest >= -tolerance_) {
       const Gap& g = gaps_[first.candidate];
       const bool ended = g.value >= 0 && g.value <= late_share * h * std::abs(g.rate);
@@ -211,7 +228,7 @@ double BodyContacts::longest_step(const State& state, double h) const {
   for (std::size_t k = 0; k < candidates_.size() && k < gaps_before_.size(); ++k) {
     // A body that moves by more than the gap and half the thickness may pass through.
     const ContactFeature& f = candidates_[k].feature;
-    const double room = std::max(0.0, gaps_before_[k].value) + thinner(f.a, f.b);
+    const double room = std::max(0.0, gaps_before_[k].value) + thickness_at(model_, f);
     if (-gaps_before_[k].rate * longest > room) longest = room / -gaps_before_[k].rate;
   }
   // A rotation of a point with rolling friction is told from one in the other direction.

@@ -74,6 +74,9 @@ class BodyContacts {
   // Distance of the shapes at a point [m], [m/s] (points).
   struct Gap {
     double value = 0, rate = 0;
+    // Of a ball that touches a mesh: the distance of what is nearest to it now less that of the feature that
+    // the step holds [m], and since when these differ [s].
+    double off = 0, since = 0;
   };
   // Motion of a point in contact, its power on the links and its energy [W], [J].
   struct Exchange {
@@ -87,7 +90,8 @@ class BodyContacts {
   enum class Change {
     begins,   // a contact
     returns,  // the shapes overlap within the step only
-    ends      // a contact
+    ends,     // a contact
+    follows   // another part of a mesh is nearest
   };
   struct Passage {
     double time = 0;  // estimate, from the begin of the step [s]
@@ -102,7 +106,22 @@ class BodyContacts {
   };
   using Gaps = std::vector<Gap>;
 
+  // A ball near a mesh: its `watch` and the features with which it touches.
+  struct Watch {
+    std::size_t candidate = 0;
+    std::vector<std::size_t> held{};  // candidates
+    double reach = 0, depth = 0;      // [m]
+  };
+
   void find(State& state, double h);
+  double same_foot(const ContactFeature& feature) const;
+  void measure_watch(const std::vector<ContactFeature>& found, Gap& gap) const;
+  void uncovered(const Watch& watch, std::vector<ContactFeature>& found, Gaps* gaps) const;
+  void enter_watched(Watch& watch, bool at_start);
+  void expect_outside() const;
+  void expect_round_side(const ContactFeature& feature, double gap) const;
+  bool follow(State& state, const ContactFeature& feature, Eigen::Index column);
+  void shorten(State& state, const ContactColumn& column);
   // A point in contact of a pair of shapes.
   struct OfPair {
     int a, b;
@@ -121,7 +140,7 @@ class BodyContacts {
   void go_back(State& state);
   double repeat(State& state, double h, const Stride& stride);
   double cut(State& state, double h, const Passage& first, const Stride& stride);
-  bool enter_all(State& state);
+  bool enter_all(State& state, bool at_start = false);
   // A candidate that comes into contact [m/s], [kg].
   struct Entry {
     std::size_t candidate;
@@ -143,7 +162,6 @@ class BodyContacts {
   double move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   double move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   void lose(double energy, int shape_a, int shape_b);
-  double thinner(int shape_a, int shape_b) const;
   using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // on boundary bodies (6 x boundary bodies)
   void record(const State& state, std::vector<Exchange>& at, Wrenches& wrenches);
   void start_method(State& state);
@@ -172,6 +190,8 @@ class BodyContacts {
   std::vector<NearPair> pairs_;
   std::vector<ContactFeature> features_;
   std::vector<Candidate> candidates_;
+  std::vector<Watch> watches_;
+  bool turned_ = false;  // a ball has come to another part of a mesh, with another normal
   std::vector<OfPair> by_pair_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> now_;               // entries that share a solution

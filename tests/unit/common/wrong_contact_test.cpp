@@ -18,6 +18,12 @@ namespace {
 
 #define OUTPUT(keys) CONTACT(HARD, R"(, "ground": [)" FLOOR("hard") R"(], "outputs": [{)" keys "}]", BALL)
 
+#define HILLS \
+  R"({"name": "hills", "material": "hard", "shape": {"type": "height_field", "size": [4, 4], "heights": [[0, 0], [0, 0]]}})"
+#define NOT_COMPUTED                                                                                      \
+  "(add their bodies to mbd.contact.ignore, or use other shapes: planes do not touch each other, nor do " \
+  "meshes and height fields, and cylinders do not touch spheres, capsules and cylinders)"
+
 const WrongScene wrong_contacts[] = {
     {"ShapeWithoutMaterial", CONTACT(HARD, "", R"("shape": {"type": "sphere", "radius": 0.1})"),
      "mbd.bodies[3].shapes[0]: the key 'material' is missing (add material: the name of one in "
@@ -53,9 +59,43 @@ const WrongScene wrong_contacts[] = {
      "'ground' has no curvature for Hertz's law (give their materials a stiffness [N/m] in place of young "
      "and "
      "poisson)"},
-    {"Mesh", CONTACT(HARD, "", R"("material": "hard", "shape": {"type": "mesh", "file": "a.stl"})"),
-     "mbd.bodies[3].shapes[0].shape: contact of a mesh is not computed in this version (use a sphere, a "
-     "capsule, a box, a convex_hull or a plane)"},
+    {"Cone", CONTACT(HARD, "", R"("material": "hard", "shape": {"type": "cone", "radius": 1, "height": 1})"),
+     "mbd.bodies[3].shapes[0].shape: contact of a cone is not computed in this version (use a sphere, a "
+     "capsule, a cylinder, a box, a convex_hull, a mesh, a height_field or a plane)"},
+    {"MeshOnAHeightField",
+     CONTACT(HARD, R"(, "ground": [)" HILLS "]",
+             R"("material": "hard", "shape": {"type": "mesh", "file": "a.stl"})"),
+     "mbd.bodies[3].shapes[0].shape: the contact of the mesh 'a' of 'bird' with the height_field 'hills' of "
+     "'ground' is not computed in this version " NOT_COMPUTED},
+    {"CylinderOnASphere",
+     CONTACT(HARD, R"(, "ground": [{"name": "stone", )" BALL "}]",
+             R"("material": "hard", "shape": {"type": "cylinder", "radius": 1, "height": 1})"),
+     "mbd.bodies[3].shapes[0].shape: the contact of the cylinder 'a' of 'bird' with the sphere 'stone' of "
+     "'ground' is not computed in this version " NOT_COMPUTED},
+    {"EndlessCylinder",
+     CONTACT(HARD, "", R"("material": "hard", "shape": {"type": "cylinder", "radius": 1})"),
+     "mbd.bodies[3].shapes[0].shape.height: contact is that of a cylinder with two ends (give the height)"},
+    {"OpenCylinder",
+     CONTACT(
+         HARD, "",
+         R"("material": "hard", "shape": {"type": "cylinder", "radius": 1, "height": 1, "open": ["+z"]})"),
+     "mbd.bodies[3].shapes[0].shape.open: a cylinder with open ends is a surface, and contact is that of a "
+     "solid "
+     "(leave out open)"},
+    {"CylinderOfSegments",
+     CONTACT(HARD, "",
+             R"("material": "hard", "shape": {"type": "cylinder", "radius": 1, "height": 1, "segments": 8})"),
+     "mbd.bodies[3].shapes[0].shape.segments: contact is that of the round cylinder (leave out segments)"},
+    {"HertzOnAHeightField",
+     CONTACT(
+         HARD "," ROUND,
+         R"(, "pairs": [], "ground": [{"name": "hills", "material": "round", "shape": {"type": "height_field", "size": [4, 4], "heights": [[0, 0], [0, 0]]}}])",
+         R"("material": "round", "shape": {"type": "sphere", "radius": 0.1})"),
+     "mbd.bodies[3].shapes[0].material: the contact of the sphere 'a' of 'bird' with the height_field "
+     "'hills' of "
+     "'ground' has no curvature for Hertz's law (give their materials a stiffness [N/m] in place of young "
+     "and "
+     "poisson)"},
     {"OpenBox",
      CONTACT(HARD, "", R"("material": "hard", "shape": {"type": "box", "size": [1, 1, 1], "open": ["+z"]})"),
      "mbd.bodies[3].shapes[0].shape.open: a box with open faces is a surface, and contact is that of a solid "
@@ -72,9 +112,7 @@ const WrongScene wrong_contacts[] = {
      CONTACT(HARD, R"(, "ground": [)" FLOOR("hard") "]",
              R"("material": "hard", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]})"),
      "mbd.bodies[3].shapes[0].shape: the contact of the plane 'a' of 'bird' with the plane 'floor' of "
-     "'ground' is not computed in this version (add their bodies to mbd.contact.ignore: planes of two bodies "
-     "do "
-     "not touch)"},
+     "'ground' is not computed in this version " NOT_COMPUTED},
     {"OutputOfAnUnknownBody", OUTPUT(R"("name": "feet", "on": ["brid"])"),
      "mbd.contact.outputs[0].on[0]: unknown name 'brid' (did you mean 'bird'?)"},
     {"OutputOfABodyWithoutContact", OUTPUT(R"("name": "feet", "on": ["bird", "crate"])"),

@@ -70,10 +70,11 @@ struct ContactRun {
   std::uint64_t done = 0;
   double start_energy, largest_energy;
 
-  ContactRun(scene::Scene scene, double window_) : window(window_) {
+  ContactRun(scene::Scene scene, double window_, const std::vector<NamedMesh>& meshes = {})
+      : window(window_) {
     log::setup("test", "error");
     scene.coupling.window = window;
-    solver.configure(scene);
+    solver.configure(scene, meshes);
     start_energy = largest_energy = solver.observe().energy;
   }
   void advance(int windows) {

@@ -197,8 +197,8 @@ TEST(ContactOutputs, MoveWithTheScene) {
     for (const char* channel : {"force", "friction", "torque"})
       worst = std::max(worst, norm(motion.vector_back(there.vector(std::string("feet.") + channel)) -
                                    here.vector(std::string("feet.") + channel)));
-    worst = std::max(
-        worst, norm(motion.point_back(there.vector("feet.centre")) - here.vector("feet.centre")));
+    worst =
+        std::max(worst, norm(motion.point_back(there.vector("feet.centre")) - here.vector("feet.centre")));
   }
   expect_near("largest deviation in three frames [N], [N m], [m]", worst, 0, 1e-5);
 }

@@ -31,7 +31,8 @@ TEST(RollingFriction, BallRollsOut) {
     ContactScene s = rolling_ball(v);
     ContactRun run(s.scene, step);
     run.advance(static_cast<int>(1 / step));
-    expect_near("speed after 1 s, steps of " + std::to_string(step), run.velocity().x, v - deceleration, 1e-3);
+    expect_near("speed after 1 s, steps of " + std::to_string(step), run.velocity().x, v - deceleration,
+                1e-3);
     run.advance(static_cast<int>((time + 1) / step));
     const double distance = v * v / (2 * deceleration);
     expect_near("distance", run.position().x, distance, 1e-3 * distance);
@@ -40,7 +41,8 @@ TEST(RollingFriction, BallRollsOut) {
     expect_near("displacement in the next 10 s", norm(run.position() - rest), 0, 1e-9);
     expect_energy(run, 1e-9);
     const nlohmann::json facts = run.facts();
-    expect_near("dissipated", facts.at("mbd_contact_dissipated_J").get<double>(), 0.5 * 1.4 * v * v, 5e-3 * 0.7);
+    expect_near("dissipated", facts.at("mbd_contact_dissipated_J").get<double>(), 0.5 * 1.4 * v * v,
+                5e-3 * 0.7);
     expect_near("balance of energy", facts.at("mbd_energy_balance_J").get<double>(), 0, 2e-3 * 0.7);
   }
 }
@@ -144,11 +146,14 @@ TEST(RollingFriction, Derivatives) {
     s.add_ball("two", 1, 0.2, {0.2, 0.1, 0.195});
     s.material() = {"stuff", 1e5, 0, 0, 0.4, 0.8, 0.3};
     const Model model = build_model(s.scene);
-    const auto link_of_shape = [&](int shape) { return static_cast<std::size_t>(model.contact.shape(shape).link); };
+    const auto link_of_shape = [&](int shape) {
+      return static_cast<std::size_t>(model.contact.shape(shape).link);
+    };
     const std::size_t one = link_of_shape(0), two = link_of_shape(1);
     std::vector<LinkMotion> links(model.links.size());
     const auto place = [&](std::size_t i, Vec3d p, Quat q, Vector6d V) {
-      links[i].p_WL = to_eigen(p), links[i].q_WL = to_eigen(q), links[i].R_WL = links[i].q_WL.toRotationMatrix();
+      links[i].p_WL = to_eigen(p), links[i].q_WL = to_eigen(q),
+      links[i].R_WL = links[i].q_WL.toRotationMatrix();
       links[i].V = V;
     };
     std::mt19937_64 random(8);
@@ -167,8 +172,10 @@ TEST(RollingFriction, Derivatives) {
     column.segment<3>(ContactRow::on_b) = in_link(links[two], t.p + Vector3d(1e-4, 2e-4, -1e-4));
     column[ContactRow::rolling_radius] = rolling_radius(feature);
     column[ContactRow::rolling_stiffness] = rolls ? 5000 : 200, column[ContactRow::rolling_damping] = 0.02;
-    column.segment<3>(ContactRow::roll_a) = links[one].R_WL.transpose() * (t.n + Vector3d(0.01, 0, 0.02)).normalized();
-    column.segment<3>(ContactRow::roll_b) = links[two].R_WL.transpose() * (t.n + Vector3d(0, 0.012, 0)).normalized();
+    column.segment<3>(ContactRow::roll_a) =
+        links[one].R_WL.transpose() * (t.n + Vector3d(0.01, 0, 0.02)).normalized();
+    column.segment<3>(ContactRow::roll_b) =
+        links[two].R_WL.transpose() * (t.n + Vector3d(0, 0.012, 0)).normalized();
     const ContactForce f = evaluate(model, column, links);
     EXPECT_EQ(f.rolls, rolls);
     const auto wrench = [&](const std::vector<LinkMotion>& at) {
@@ -179,7 +186,8 @@ TEST(RollingFriction, Derivatives) {
     const auto displaced = [&](std::size_t i, Vector6d X) {
       std::vector<LinkMotion> at = links;
       const Vector3d turn = X.head<3>();
-      const Quaterniond q(Eigen::AngleAxisd(turn.norm(), turn.norm() > 0 ? Vector3d(turn.normalized()) : Vector3d::UnitX()));
+      const Quaterniond q(
+          Eigen::AngleAxisd(turn.norm(), turn.norm() > 0 ? Vector3d(turn.normalized()) : Vector3d::UnitX()));
       at[i].q_WL = q * links[i].q_WL, at[i].R_WL = at[i].q_WL.toRotationMatrix();
       at[i].p_WL = q * links[i].p_WL + X.tail<3>();
       at[i].V += cross_motion(X, links[i].V);

@@ -1,0 +1,536 @@
+#include "mbd_server/contact/mesh_features.hpp"
+
+#include "mbd_server/contact/rim.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::mbd {
+namespace {
+
+using Kind = ContactShape::Kind;
+using Bend = ContactMesh::Bend;
+
+// Places nearer to an edge than this share of the size of the mesh are on it.
+constexpr double rounding = 1e-12;
+// A corner or an edge of a body touches where the body is in front of the surface, to the sine of these
+// angles: a body that lies flat on a surface tilts a little.
+constexpr double tilt_of_corner = 0.35, tilt_of_edge = 0.17;
+// A crossing so near to the end of an edge is one of the corner, as a share of the edge.
+constexpr double at_end = 1e-6;
+
+std::size_t nth(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+class MeshFinder {
+ public:
+  MeshFinder(const Model& model, int a, int b, const std::vector<LinkMotion>& links, double reach,
+             double depth, std::vector<ContactFeature>& out)
+      : a_(model.contact.shape(a)),
+        b_(model.contact.shape(b)),
+        mesh_(*b_.mesh),
+        index_a_(a),
+        index_b_(b),
+        reach_(reach),
+        depth_(depth),
+        eps_(rounding * mesh_.bound()),
+        out_(out) {
+    const LinkMotion &la = links[nth(a_.link)], &lb = links[nth(b_.link)];
+    R_ = lb.R_WL.transpose() * la.R_WL;
+    p_ = lb.R_WL.transpose() * (la.p_WL - lb.p_WL);
+  }
+
+  // Adds the features of a ball; returns whether the mesh is near.
+  bool ball(std::size_t i) {
+    const double radius = a_.radius;
+    const Vector3d c = local(a_.points[i]);
+    const Vector3d margin = Vector3d::Constant(radius + reach_ + (a_.is_polytope() ? depth_ : 0) + eps_);
+    mesh_.near(c - margin, c + margin, near_);
+    if (near_.empty()) return false;
+    hits_.clear();
+    if (a_.is_polytope())
+      corner_hits(i, c);
+    else if (a_.kind == Kind::cylinder)
+      rim_hits(c, R_ * a_.axis());
+    else
+      ball_hits(c, radius);
+    for (const Hit& hit : hits_) add(i, hit);
+    return true;
+  }
+
+  void watch(std::size_t i) {
+    ContactFeature f;
+    f.kind = ContactFeature::Kind::watch;
+    f.a = index_a_, f.b = index_b_;
+    f.code = code_of(Family::on_mesh, static_cast<std::int64_t>(i));
+    f.place_a = a_.points[i];
+    f.radius_a = a_.radius;
+    if (a_.kind == Kind::cylinder) f.axis_a = a_.axis();
+    f.face = near_[0];
+    out_.push_back(f);
+  }
+
+  std::optional<ContactFeature> behind(std::size_t i) const {
+    if (mesh_.closed() || !(a_.radius > 0)) return {};
+    const Vector3d c = local(a_.points[i]);
+    std::optional<ContactFeature> found;
+    double nearest = HUGE_VAL;
+    for (const int f : near_) {
+      const ContactMesh::Face& face = mesh_.face(f);
+      const double s = face.normal.dot(c - mesh_.on_face(f));
+      if (s > 0 || -s >= nearest || !above(f, c)) continue;
+      nearest = -s;
+      ContactFeature& feature = found.emplace();
+      feature.kind = ContactFeature::Kind::plane;
+      feature.a = index_a_, feature.b = index_b_;
+      feature.face = f;
+      feature.place_a = a_.points[i];
+      feature.place_b = mesh_.on_face(f);
+      feature.axis_b = -face.normal;
+    }
+    return found;
+  }
+
+  void edges() {
+    std::vector<int> edges;
+    for (std::size_t k = 0; k < a_.edges.size(); ++k) {
+      const ContactShape::Edge& e = a_.edges[k];
+      const Vector3d p = local(a_.points[nth(e.from)]), q = local(a_.points[nth(e.to)]);
+      const Vector3d margin = Vector3d::Constant(a_.radius + reach_ + depth_);
+      mesh_.near(p.cwiseMin(q) - margin, p.cwiseMax(q) + margin, near_);
+      edges.clear();
+      for (const int f : near_)
+        for (const int g : mesh_.face(f).edges)
+          if (mesh_.edge(g).bend == Bend::convex || mesh_.edge(g).bend == Bend::border) edges.push_back(g);
+      std::sort(edges.begin(), edges.end());
+      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+      for (const int g : edges) crossing(k, p, q - p, g);
+    }
+  }
+
+  // Corners of the mesh on the faces of a polytope or on the side of a capsule.
+  void mesh_corners() {
+    Vector3d low = Vector3d::Constant(HUGE_VAL), high = -low;
+    for (const Vector3d& x : a_.points) low = low.cwiseMin(local(x)), high = high.cwiseMax(local(x));
+    const Vector3d margin = Vector3d::Constant(a_.radius + reach_);
+    mesh_.near(low - margin, high + margin, near_);
+    std::vector<int> corners;
+    for (const int f : near_)
+      for (const int c : mesh_.face(f).corners)
+        if (mesh_.sticks_out(c)) corners.push_back(c);
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    for (const int c : corners)
+      if (a_.is_polytope())
+        corner_on_face(c);
+      else
+        corner_on_rod(c);
+  }
+
+ private:
+  struct Hit {
+    ContactFeature::Kind kind;
+    double gap;          // less the radius
+    Vector3d foot, out;  // nearest place, direction to the ball
+    Vector3d axis;       // normal of the face, direction of the edge
+    int face;
+    std::array<int, 3> corners{none, none, none};
+    int root = none;  // the hit that stands for it
+  };
+
+  Vector3d local(const Vector3d& p) const { return p_ + R_ * p; }
+  Vector3d back(const Vector3d& p) const { return R_.transpose() * (p - p_); }
+  // Whether a point is above or below a face.
+  bool above(int f, const Vector3d& p) const {
+    const ContactMesh::Face& face = mesh_.face(f);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (outward(f, face.edges[k]).dot(p - mesh_.point(face.corners[k])) > eps_) return false;
+    return true;
+  }
+  // Out of face f in its plane, across its edge.
+  Vector3d outward(int f, int edge) const {
+    const ContactMesh::Face& face = mesh_.face(f);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (face.edges[k] == edge)
+        return (mesh_.point(face.corners[(k + 1) % 3]) - mesh_.point(face.corners[k]))
+            .cross(face.normal)
+            .normalized();
+    return Vector3d::Zero();
+  }
+
+  void plane_hit(int f, const Vector3d& c, double radius) {
+    const ContactMesh::Face& face = mesh_.face(f);
+    const double s = face.normal.dot(c - mesh_.on_face(f));
+    hits_.push_back({ContactFeature::Kind::plane, s - radius, c - s * face.normal, face.normal, face.normal,
+                     f, face.corners});
+  }
+
+  // Faces, edges and corners that are nearer to the centre of a ball than their neighbours are.
+  void ball_hits(const Vector3d& c, double radius) {
+    seen_.clear();
+    for (const int f : near_) {
+      const ContactMesh::Face& face = mesh_.face(f);
+      const double s = face.normal.dot(c - mesh_.on_face(f));
+      const Vector3d p = c - s * face.normal;
+      bool inside = true;
+      double nearest = HUGE_VAL, along = 0;
+      std::size_t side = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector3d &x = mesh_.point(face.corners[k]), &y = mesh_.point(face.corners[(k + 1) % 3]);
+        const Vector3d d = y - x;
+        inside &= d.cross(face.normal).dot(p - x) <= eps_ * d.norm();
+        const double u = std::clamp(d.dot(c - x) / d.squaredNorm(), 0., 1.);
+        const double distance = (c - x - u * d).squaredNorm();
+        if (distance < nearest) nearest = distance, along = u, side = k;
+      }
+      if (inside) {
+        if (s > 0 && s - radius <= reach_) plane_hit(f, c, radius);
+        continue;
+      }
+      if (std::sqrt(nearest) - radius > reach_) continue;
+      if (along > 0 && along < 1)
+        edge_hit(f, face.edges[side], along, s, c, radius);
+      else
+        corner_hit(face.corners[along > 0 ? (side + 1) % 3 : side], f, s, c, radius);
+    }
+    keep_nearest();
+  }
+
+  void edge_hit(int f, int e, double, double s, const Vector3d& c, double radius) {
+    const ContactMesh::Edge& edge = mesh_.edge(e);
+    if (f != edge.faces[0] || edge.bend == Bend::concave) return;
+    const Vector3d x = mesh_.point(edge.from), d = (mesh_.point(edge.to) - x).normalized(),
+                   q = x + d.dot(c - x) * d;
+    const double distance = (c - q).norm();
+    if (!(distance > 0) || outward(f, e).dot(c - q) < -eps_) return;
+    if (edge.bend == Bend::border) {
+      if (s < 0) return;
+    } else {
+      if (outward(edge.faces[1], e).dot(c - q) < -eps_) return;
+      if (edge.bend == Bend::flat) {
+        if (s > 0) plane_hit(f, c, radius);
+        return;
+      }
+    }
+    hits_.push_back({ContactFeature::Kind::line,
+                     distance - radius,
+                     q,
+                     (c - q) / distance,
+                     d,
+                     f,
+                     {edge.from, edge.to, none}});
+  }
+
+  void corner_hit(int v, int f, double s, const Vector3d& c, double radius) {
+    if (std::find(seen_.begin(), seen_.end(), v) != seen_.end()) return;
+    const Vector3d q = mesh_.point(v), d = c - q;
+    const double distance = d.norm();
+    if (!(distance > 0)) return;
+    bool border = false;
+    double in_front = 0;
+    int flat = none;
+    for (const int e : mesh_.edges_at(v)) {
+      const ContactMesh::Edge& edge = mesh_.edge(e);
+      const Vector3d to = mesh_.point(edge.from == v ? edge.to : edge.from) - q;
+      if (d.dot(to) > eps_ * to.norm()) return;
+      for (const int g : edge.faces) {
+        if (g == none) {
+          border = true;
+          continue;
+        }
+        const double along = mesh_.face(g).normal.dot(d);
+        in_front += along;
+        if (along > (1 - 1e-9) * distance && (flat == none || g < flat)) flat = g;
+      }
+    }
+    if (!(in_front > 0) || (border && s < 0)) return;
+    seen_.push_back(v);
+    if (flat != none)
+      plane_hit(flat, c, radius);
+    else
+      hits_.push_back({ContactFeature::Kind::point,
+                       distance - radius,
+                       q,
+                       d / distance,
+                       d / distance,
+                       f,
+                       {v, none, none}});
+  }
+
+  // The circle about c across s, at an end of a cylinder.
+  void rim_hits(const Vector3d& c, const Vector3d& s) {
+    const double R = a_.radius;
+    std::vector<int> edges;
+    for (const int f : near_) {
+      const ContactMesh::Face& face = mesh_.face(f);
+      for (const int e : face.edges)
+        if (mesh_.edge(e).bend == Bend::convex || mesh_.edge(e).bend == Bend::border) edges.push_back(e);
+      const Vector3d across = face.normal - face.normal.dot(s) * s;
+      const double sine = across.norm(), height = face.normal.dot(c - mesh_.on_face(f)),
+                   gap = height - R * sine;
+      if (gap > reach_ || height < 0 || !(sine > 0)) continue;
+      const Vector3d p = c - R / sine * across - gap * face.normal;
+      if (above(f, p))
+        hits_.push_back(
+            {ContactFeature::Kind::rim_on_plane, gap, p, face.normal, face.normal, f, face.corners});
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    for (const int e : edges) rim_on_edge(c, s, e);
+    keep_nearest();
+  }
+
+  void rim_on_edge(const Vector3d& c, const Vector3d& s, int g) {
+    const ContactMesh::Edge& edge = mesh_.edge(g);
+    const Vector3d o = mesh_.point(edge.from), d = mesh_.point(edge.to) - o, e = d.normalized();
+    const double cosine = s.dot(e);
+    if (std::abs(cosine) < least_rim_cosine) return;
+    const double along = s.dot(c - o) / cosine;
+    if (along < 0 || along > d.norm()) return;
+    const Vector3d q = o + along * e, r = c - q;
+    const double distance = r.norm();
+    if (!(distance > 0)) return;
+    const Vector3d m = r / distance, n = m - m.dot(e) / cosine * s;
+    const double gap = (distance - a_.radius) / n.norm();
+    if (gap > reach_) return;
+    const Vector3d out = n.normalized();
+    for (const int f : edge.faces)
+      if (f != none && outward(f, g).dot(out) < -rounding) return;
+    if (edge.bend == Bend::border && mesh_.face(edge.faces[0]).normal.dot(out) < 0) return;
+    hits_.push_back(
+        {ContactFeature::Kind::rim_on_line, gap, q, out, e, edge.faces[0], {edge.from, edge.to, none}});
+  }
+
+  static bool meet(const Hit& one, const Hit& two) {
+    for (const int c : one.corners)
+      if (c != none && std::find(two.corners.begin(), two.corners.end(), c) != two.corners.end()) return true;
+    return false;
+  }
+
+  // Of hits that are parts of one smooth surface the nearest stays.
+  void keep_nearest() {
+    std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) {
+      return x.gap < y.gap || (x.gap == y.gap && x.face < y.face);
+    });
+    for (std::size_t i = 0; i < hits_.size(); ++i) {
+      Hit& hit = hits_[i];
+      hit.root = static_cast<int>(i);
+      for (std::size_t k = 0; k < i; ++k)
+        if (meet(hit, hits_[k]) &&
+            hit.out.dot(hits_[nth(hits_[k].root)].out) >= std::cos(ContactMesh::smooth)) {
+          hit.root = hits_[k].root;
+          break;
+        }
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < hits_.size(); ++i)
+      if (hits_[i].root == static_cast<int>(i)) hits_[kept++] = hits_[i];
+    hits_.resize(kept);
+  }
+
+  // A corner of a polytope touches faces, above or below which it is.
+  void corner_hits(std::size_t i, const Vector3d& c) {
+    for (const int f : near_) {
+      const ContactMesh::Face& face = mesh_.face(f);
+      const double s = face.normal.dot(c - mesh_.on_face(f));
+      if (s > reach_ || s < -std::min(2 * face.thickness, 2 * a_.thickness)) continue;
+      const Vector3d p = c - s * face.normal;
+      bool inside = true;
+      for (std::size_t k = 0; k < 3 && inside; ++k) {
+        const double beyond = outward(f, face.edges[k]).dot(p - mesh_.point(face.corners[k]));
+        if (beyond <= eps_) continue;
+        // Next to a concave edge a corner is in the other face besides.
+        const ContactMesh::Edge& edge = mesh_.edge(face.edges[k]);
+        const int other = edge.faces[0] == f ? edge.faces[1] : edge.faces[0];
+        inside = edge.bend == Bend::concave && beyond <= reach_ + depth_ &&
+                 mesh_.face(other).normal.dot(c - mesh_.on_face(other)) <= 0;
+      }
+      if (!inside || !stands_on(i, face.normal)) continue;
+      plane_hit(f, c, 0);
+    }
+    std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) {
+      return x.gap > y.gap || (x.gap == y.gap && x.face < y.face);
+    });
+    // Inside a convex part the nearest face counts, next to a concave edge both do.
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < hits_.size(); ++k) {
+      bool counts = true;
+      for (std::size_t j = 0; j < kept && counts; ++j) {
+        const Hit &one = hits_[j], &two = hits_[k];
+        const bool concave = one.axis.dot(mesh_.middle(two.face) - one.foot) > eps_ &&
+                             two.axis.dot(mesh_.middle(one.face) - two.foot) > eps_;
+        const bool same = meet(one, two) && one.axis.dot(two.axis) >= std::cos(ContactMesh::smooth);
+        if (same && concave)
+          hits_[j] = two, counts = false;
+        else if (same || (!concave && one.gap < 0 && two.gap < 0))
+          counts = false;
+      }
+      if (counts) hits_[kept++] = hits_[k];
+    }
+    hits_.resize(kept);
+    std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) {
+      return x.gap < y.gap || (x.gap == y.gap && x.face < y.face);
+    });
+  }
+
+  // Whether the edges at a corner lead away from a surface of that normal.
+  bool stands_on(std::size_t corner, const Vector3d& normal) const {
+    for (const ContactShape::Edge& e : a_.edges) {
+      const bool from = e.from == static_cast<int>(corner), to = e.to == static_cast<int>(corner);
+      if (!from && !to) continue;
+      const Vector3d d = R_ * (a_.points[nth(from ? e.to : e.from)] - a_.points[corner]);
+      if (d.dot(normal) < -tilt_of_corner * d.norm()) return false;
+    }
+    return true;
+  }
+
+  void add(std::size_t i, const Hit& hit) {
+    ContactFeature f;
+    f.kind = hit.kind;
+    f.a = index_a_, f.b = index_b_;
+    f.code = code_of(Family::on_mesh, static_cast<std::int64_t>(i));
+    f.on_mesh = true;
+    f.face = hit.face;
+    f.place_a = a_.points[i];
+    f.radius_a = a_.radius;
+    if (a_.kind == Kind::cylinder) f.axis_a = a_.axis();
+    f.place_b = hit.foot;
+    f.axis_b = hit.axis;
+    out_.push_back(f);
+  }
+
+  void crossing(std::size_t k, const Vector3d& p, const Vector3d& d, int g) {
+    const ContactMesh::Edge& edge = mesh_.edge(g);
+    const Vector3d q = mesh_.point(edge.from), e = mesh_.point(edge.to) - q, N = d.cross(e);
+    if (N.norm() <= parallel * d.norm() * e.norm()) return;
+    const Vector3d D = q - p;
+    const double s = D.cross(e).dot(N) / N.squaredNorm(), t = D.cross(d).dot(N) / N.squaredNorm();
+    if (s < at_end || s > 1 - at_end || t < 0 || t > 1) return;
+    const ContactMesh::Face& first = mesh_.face(edge.faces[0]);
+    Vector3d normals = first.normal;
+    if (edge.faces[1] != none) normals += mesh_.face(edge.faces[1]).normal;
+    const Vector3d n = N.dot(normals) > 0 ? Vector3d(-N.normalized()) : N.normalized();  // into the mesh
+    for (const int f : edge.faces)
+      if (f != none && -n.dot(outward(f, g)) < -tilt_of_edge) return;
+    if (a_.is_polytope()) {
+      const ContactShape::Edge& own = a_.edges[k];
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Vector3d m = R_ * a_.faces[nth(own.faces[i])].normal, across = d.cross(m).normalized(),
+                       in = local(a_.centre) - p;
+        const double out = across.dot(in) > 0 ? -across.dot(n) : across.dot(n);
+        if (out < -tilt_of_edge) return;
+      }
+      if (n.dot(R_ * (a_.faces[nth(own.faces[0])].normal + a_.faces[nth(own.faces[1])].normal)) <= 0) return;
+    }
+    const double gap = n.dot(D) - a_.radius;
+    if (gap > reach_ || gap < -2 * std::min(first.thickness, a_.thickness)) return;
+    // Nearer to an end than it is deep, a corner touches instead.
+    const double from_end = std::min(std::min(s, 1 - s) * d.norm(), std::min(t, 1 - t) * e.norm());
+    if (from_end < -gap) return;
+    ContactFeature f;
+    f.kind = ContactFeature::Kind::lines;
+    f.a = index_a_, f.b = index_b_;
+    f.code = code_of(Family::lines, static_cast<std::int64_t>(k), g);
+    f.face = edge.faces[0];
+    f.place_a = a_.points[nth(a_.edges[k].from)];
+    f.axis_a = (a_.points[nth(a_.edges[k].to)] - f.place_a).normalized();
+    if (N.dot(n) < 0) f.axis_a = -f.axis_a;
+    f.place_b = q;
+    f.axis_b = e.normalized();
+    f.radius_a = a_.radius;
+    out_.push_back(f);
+  }
+
+  int face_at(int corner) const { return mesh_.edge(mesh_.edges_at(corner)[0]).faces[0]; }
+
+  void corner_on_face(int v) {
+    const Vector3d c = mesh_.point(v), x = back(c);
+    double best = -HUGE_VAL;
+    std::size_t face = 0;
+    for (std::size_t k = 0; k < a_.faces.size(); ++k) {
+      const double s = a_.faces[k].normal.dot(x - a_.points[nth(a_.faces[k].corners[0])]);
+      if (s > best && points_at(v, R_ * a_.faces[k].normal)) best = s, face = k;
+    }
+    if (best > reach_ || best < -2 * std::min(mesh_.face(face_at(v)).thickness, a_.thickness)) return;
+    const ContactShape::Face& on = a_.faces[face];
+    for (std::size_t i = 0; i < on.corners.size(); ++i) {
+      const Vector3d &y = a_.points[nth(on.corners[i])],
+                     &z = a_.points[nth(on.corners[(i + 1) % on.corners.size()])];
+      if ((z - y).cross(on.normal).dot(x - y) > 0) return;
+    }
+    ContactFeature f;
+    f.kind = ContactFeature::Kind::plane;
+    f.a = index_b_, f.b = index_a_;
+    f.code = code_of(Family::mesh_corner, 0, v);
+    f.face = face_at(v);
+    f.place_a = c;
+    f.place_b = a_.points[nth(on.corners[0])];
+    f.axis_b = on.normal;
+    out_.push_back(f);
+  }
+
+  // Whether the edges at a corner of the mesh lead away from a face of that normal.
+  bool points_at(int v, const Vector3d& normal) const {
+    for (const int e : mesh_.edges_at(v)) {
+      const ContactMesh::Edge& edge = mesh_.edge(e);
+      const Vector3d d = mesh_.point(edge.from == v ? edge.to : edge.from) - mesh_.point(v);
+      if (d.dot(normal) < -tilt_of_corner * d.norm()) return false;
+    }
+    return true;
+  }
+
+  void corner_on_rod(int v) {
+    const Vector3d c = mesh_.point(v), p = local(a_.points[0]), d = local(a_.points[1]) - p;
+    const double s = d.dot(c - p) / d.squaredNorm();
+    if (s <= 0 || s >= 1) return;
+    const Vector3d out = p + s * d - c;
+    if (out.norm() - a_.radius > reach_) return;
+    for (const int e : mesh_.edges_at(v)) {
+      const ContactMesh::Edge& edge = mesh_.edge(e);
+      if (out.dot(mesh_.point(edge.from == v ? edge.to : edge.from) - c) > 0) return;
+    }
+    ContactFeature f;
+    f.kind = ContactFeature::Kind::line;
+    f.a = index_b_, f.b = index_a_;
+    f.place_b = a_.points[0], f.axis_b = a_.axis();
+    f.code = code_of(Family::mesh_corner, 0, v);
+    f.face = face_at(v);
+    f.place_a = c;
+    f.radius_b = a_.radius;
+    out_.push_back(f);
+  }
+
+  const ContactShape &a_, &b_;
+  const ContactMesh& mesh_;
+  int index_a_, index_b_;
+  double reach_, depth_, eps_;
+  Matrix3d R_;  // frame of link a to that of link b
+  Vector3d p_;
+  std::vector<int> near_, seen_;
+  std::vector<Hit> hits_;
+  std::vector<ContactFeature>& out_;
+};
+
+}  // namespace
+
+void find_mesh_features(const Model& model, int a, int b, const std::vector<LinkMotion>& links, double reach,
+                        double depth, std::vector<ContactFeature>& features) {
+  MeshFinder finder(model, a, b, links, reach, depth, features);
+  const ContactShape& shape = model.contact.shape(a);
+  for (std::size_t i = 0; i < shape.points.size(); ++i)
+    if (finder.ball(i)) finder.watch(i);
+  if (shape.kind == Kind::sphere) return;
+  finder.edges();
+  finder.mesh_corners();
+}
+
+void watched_features(const Model& model, const ContactFeature& watch, const std::vector<LinkMotion>& links,
+                      double reach, double depth, std::vector<ContactFeature>& features,
+                      std::optional<ContactFeature>* behind) {
+  MeshFinder finder(model, watch.a, watch.b, links, reach, depth, features);
+  const auto ball = static_cast<std::size_t>(watch.code >> 24 & 0xffffff);
+  if (finder.ball(ball) && behind) *behind = finder.behind(ball);
+}
+
+}  // namespace tandem::mbd

@@ -1,0 +1,143 @@
+// Balls that touch meshes. A step holds the faces, edges and corners that balls touch at its begin; a `watch`
+// for each ball near a mesh sees where another part is nearest at the end, and where the ball begins to touch
+// one more.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mbd_server/contact/mesh_features.hpp"
+#include "mbd_server/step/body_contacts.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+// A contact of a ball continues where the place of contact moves by less than this share of the radius, of a
+// corner by less than this share of the size of its body.
+constexpr double same_foot_of_ball = 0.25, same_foot_of_corner = 0.05;
+// A ball that begins to touch a surface so deep, as a share of the thinner shape, came from behind.
+constexpr double from_behind = 0.1;
+// Where a ball comes to another face, the energy of the change of its rate against the surface matters from
+// this share of the energy that moves on.
+constexpr double least_jump = 1e-10;
+
+}  // namespace
+
+double BodyContacts::same_foot(const ContactFeature& f) const {
+  return f.radius_a > 0 ? same_foot_of_ball * f.radius_a
+                        : same_foot_of_corner * model_.contact.shape(f.a).bound;
+}
+
+// The features of the ball at present that are not those with which it touches. Where `gaps` is given, it
+// gets how far these are from the ones that the step holds, and the watch the distance to a face from behind.
+void BodyContacts::uncovered(const Watch& watch, std::vector<ContactFeature>& found, Gaps* gaps) const {
+  const auto& links = system_.links();
+  found.clear();
+  std::optional<ContactFeature> behind;
+  watched_features(model_, candidates_[watch.candidate].feature, links, watch.reach, watch.depth, found,
+                   &behind);
+  if (gaps) {
+    Gap& g = (*gaps)[watch.candidate];
+    g = {watch.reach, 0};
+    if (behind) g.value = gap(model_, *behind, links, &g.rate);
+  }
+  for (const std::size_t k : watch.held) {
+    const ContactFeature& held = candidates_[k].feature;
+    const Vector3d at = foot(model_, held, links);
+    double nearest = same_foot(held);
+    auto continued = found.end();
+    for (auto f = found.begin(); f != found.end(); ++f)
+      if (const double distance = (f->place_b - at).norm(); distance < nearest)
+        nearest = distance, continued = f;
+    if (gaps) {
+      Gap& g = (*gaps)[k];
+      g.off = g.since = 0;
+      if (continued != found.end()) {
+        double rate = 0;
+        const double value = gap(model_, *continued, links, &rate);
+        g.off = value - g.value;
+        if (g.off < 0) {
+          if (rate < g.rate) g.since = g.off / (rate - g.rate);
+        } else if (g.off > 0) {
+          const Touch t = touch(model_, held, links, Derivatives::without);
+          const Vector3d c = link_of(model_, held.a, links).point(held.place_a),
+                         v = at_point(link_of(model_, held.a, links).V - link_of(model_, held.b, links).V, c);
+          const double along = (v - t.n.dot(v) * t.n).norm();
+          if (along > 0) g.since = nearest / along;
+        }
+      }
+    }
+    if (continued != found.end()) found.erase(continued);
+  }
+}
+
+// The distance of the nearest one that does not touch yet.
+void BodyContacts::measure_watch(const std::vector<ContactFeature>& found, Gap& g) const {
+  for (const ContactFeature& f : found) {
+    double rate = 0;
+    if (const double value = gap(model_, f, system_.links(), &rate); value < g.value) g = {value, rate};
+  }
+}
+
+void BodyContacts::enter_watched(Watch& watch, bool at_start) {
+  uncovered(watch, features_, nullptr);
+  for (const ContactFeature& f : features_) {
+    double rate = 0;
+    const double distance = gap(model_, f, system_.links(), &rate);
+    if (!(distance <= tolerance_) || (rate > 0 && distance >= -tolerance_)) continue;
+    if (!at_start && f.radius_a > 0 && -distance > from_behind * thickness_at(model_, f))
+      throw Error(ErrorCode::numerics,
+                  fmt::format("{} comes to {} from behind its surface, and is {:.3g} m deep in it",
+                              model_.contact.shape(f.a).name, model_.contact.shape(f.b).name, -distance),
+                  "mbd.contact",
+                  "a surface is touched from the side of its normals only: make the mesh closed, or turn it");
+    watch.held.push_back(candidates_.size());
+    entries_.push_back({candidates_.size(), std::max(0.0, -rate)});
+    candidates_.push_back({f, -1});
+  }
+}
+
+// The point touches with another part of the mesh. True where its normal has another direction: the body then
+// approaches the surface at once, and the next steps resolve it.
+bool BodyContacts::follow(State& state, const ContactFeature& feature, Eigen::Index index) {
+  auto column = state.contacts.col(index);
+  const ContactForce before = evaluate(model_, column, system_.links(), Derivatives::without);
+  set_feature(feature, column);
+  const ContactForce after = evaluate(model_, column, system_.links(), Derivatives::without);
+  lose(before.energy - after.energy, feature.a, feature.b);
+  const double jump = after.n.dot(after.velocity) - before.n.dot(before.velocity);
+  if (!(0.5 * column[ContactRow::mass] * jump * jump > least_jump * energy_scale_)) return false;
+  shorten(state, column);
+  return true;
+}
+
+// Throws where a corner or an edge comes through the flat end of a cylinder.
+void BodyContacts::expect_round_side(const ContactFeature& f, double gap) const {
+  for (const int i : {f.a, f.b}) {
+    const ContactShape& shape = model_.contact.shape(i);
+    if (shape.kind != ContactShape::Kind::cylinder || -gap <= from_behind * thickness_at(model_, f)) continue;
+    throw Error(
+        ErrorCode::numerics,
+        fmt::format("{} comes with its flat end to {}, and is {:.3g} m deep in it", shape.name,
+                    model_.contact.shape(f.a + f.b - i).name, -gap),
+        "mbd.contact",
+        "cylinders touch as wheels do, with their round side: give it a convex_hull as its shape of contact");
+  }
+}
+
+// Throws where a body starts inside a closed mesh.
+void BodyContacts::expect_outside() const {
+  for (const NearPair& pair : pairs_)
+    for (const auto& [m, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
+      const ContactShape &mesh = model_.contact.shape(m), &body = model_.contact.shape(other);
+      if (!mesh.mesh || body.points.empty()) continue;
+      const auto& links = system_.links();
+      const Vector3d p = in_link(links[static_cast<std::size_t>(mesh.link)],
+                                 links[static_cast<std::size_t>(body.link)].point(body.centre));
+      if (mesh.mesh->encloses(p))
+        throw Error(ErrorCode::scene, body.name + " is inside " + mesh.name + " at the start", "mbd.contact",
+                    "move one of them: shapes touch from outside");
+    }
+}
+
+}  // namespace tandem::mbd
