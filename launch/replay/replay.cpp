@@ -8,6 +8,7 @@
 
 #include "common/log.hpp"
 #include "dem_server/coupling/make_solver.hpp"
+#include "sph_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/processes.hpp"
 #include "launch/coordinator/server_command.hpp"
@@ -36,6 +37,7 @@ class OwnSolver {
       const auto end = std::move(channel);  // closed when the solver leaves, not when the task is destroyed
       const std::string program = fmt::format("{} {}", protocol::name(role), version);
       if (role == Role::mbd) return protocol::serve(*end, *mbd::make_solver(), program);
+      if (role == Role::sph) return protocol::serve(*end, *sph::make_solver(), program);
       return protocol::serve(*end, *dem::make_solver(), program);
     });
     done_ = task.get_future();

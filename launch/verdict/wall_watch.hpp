@@ -72,6 +72,7 @@ class WallWatch {
   Pose pose_of(BodyId body, const std::vector<protocol::BodyState>& bodies) const;
 
   const scene::Scene& scene_;
+  const std::vector<scene::Wall> walls_;  // of all particle solvers
   std::vector<std::size_t> group_;  // of welded bodies, by body; the ground last
   std::vector<WallSurface> surfaces_;
   std::vector<Pair> pairs_;

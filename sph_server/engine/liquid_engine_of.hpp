@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -86,6 +87,8 @@ class LiquidEngineOf final : public LiquidEngine {
     // The first step has no step before it.
     acceleration_[1] = acceleration_[0];
     rate_[1] = rate_[0];
+    previous_body_sums_ = body_sums_;
+    step_loads_ = loads();
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
     last_dt_ = 0;
     work_ = {};
@@ -109,6 +112,12 @@ class LiquidEngineOf final : public LiquidEngine {
     for (int p = 0; p < powers; ++p)
       work_.of[p] += dt * ((1 + advance_.weight) * power_[p] - advance_.weight * previous_power_[p]);
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
+    for (std::size_t b = 0; b < step_loads_.size(); ++b) {
+      const Wrench now = wrench_of(body_sums_[b]), before = wrench_of(previous_body_sums_[b]);
+      step_loads_[b] = {(1 + advance_.weight) * now.force - advance_.weight * before.force,
+                        (1 + advance_.weight) * now.torque - advance_.weight * before.torque};
+    }
+    previous_body_sums_ = body_sums_;
     last_dt_ = dt;
     set_poses(poses);
     std::vector<double> farthest2(pool_.size(), 0.0);
@@ -145,16 +154,15 @@ class LiquidEngineOf final : public LiquidEngine {
 
   std::vector<Wrench> loads() const override {
     std::vector<Wrench> loads;
-    const double mass = setup_.liquid.mass();
-    for (const BodySum& s : body_sums_) {
-      Wrench w;
-      for (int a = 0; a < 3; ++a) {
-        w.force[a] = mass * dem::from_fixed(s.acceleration[a], quanta_.acceleration);
-        w.torque[a] = dem::from_fixed(s.torque[a], quanta_.torque);
-      }
-      loads.push_back(w);
-    }
+    for (const BodySum& s : body_sums_) loads.push_back(wrench_of(s));
     return loads;
+  }
+  const std::vector<Wrench>& step_loads() const override { return step_loads_; }
+
+  Vec3d momentum() const override {
+    Vec3d sum;
+    for (std::size_t i = 0; i < velocity_.size(); ++i) sum += dem::velocity_of(velocity_[i], fine_[i]);
+    return setup_.liquid.mass() * sum;
   }
 
   EnergyBalance energies() const override {
@@ -177,7 +185,74 @@ class LiquidEngineOf final : public LiquidEngine {
 
   StepFigures figures() const override { return figures_; }
 
+  void save() override {
+    saved_.clear();
+    each_array(*this, [&](const char*, const auto& array) {
+      const auto bytes = bytes_of(array);
+      saved_.emplace_back(bytes.begin(), bytes.end());
+    });
+    saved_list_ = list_;
+  }
+  void restore() override {
+    std::size_t next = 0;
+    each_array(*this, [&](const char*, auto& array) { assign(saved_.at(next++), array); });
+    list_ = saved_list_;
+    use_list();
+    place_walls(poses_);
+  }
+
+  // Arrays without an element, as those of bodies without walls, are in no file.
+  void write(const Sink& sink) const override {
+    each_array(*this, [&](const char* name, const auto& array) {
+      if (const auto bytes = bytes_of(array); !bytes.empty()) sink(name, bytes);
+    });
+  }
+  void read(const Source& source) override {
+    each_array(*this, [&](const char* name, auto& array) {
+      const std::size_t size = bytes_of(array).size();
+      if (size == 0) return;
+      const std::vector<std::byte> bytes = source(name);
+      if (bytes.size() != size)
+        throw Error(ErrorCode::resource,
+                    "its array '" + std::string(name) + "' has " + std::to_string(bytes.size()) + " bytes", {},
+                    "continue from another checkpoint");
+      assign(bytes, array);
+    });
+    // The lists are those of the positions and poses when they were built.
+    place_walls(built_poses_);
+    build_list(grid_, setup_.periods, built_at_, reach_, walls_, pool_, list_);
+    use_list();
+    place_walls(poses_);
+  }
+
  private:
+  // All that a step reads and that follows from nothing else, besides the lists.
+  template <class Engine, class Visit>
+  static void each_array(Engine& e, Visit visit) {
+    visit("position", e.position_);
+    visit("velocity", e.velocity_);
+    visit("fine", e.fine_);
+    visit("pressure_volume", e.state_);
+    visit("slope", e.slope_);
+    if constexpr (shifting) visit("shift", e.shift_);
+    visit("compression", e.compression_);
+    visit("acceleration", e.acceleration_[0]);
+    visit("previous_acceleration", e.acceleration_[1]);
+    visit("rate", e.rate_[0]);
+    visit("previous_rate", e.rate_[1]);
+    visit("body_sums", e.body_sums_);
+    visit("previous_body_sums", e.previous_body_sums_);
+    visit("step_loads", e.step_loads_);
+    visit("poses", e.poses_);
+    visit("built_at", e.built_at_);
+    visit("built_poses", e.built_poses_);
+    visit("power", e.power_);
+    visit("previous_power", e.previous_power_);
+    visit("work", e.work_.of);
+    visit("last_dt", e.last_dt_);
+    visit("figures", e.figures_);
+  }
+
   template <class Each>
   void for_each(Each each) {
     const std::size_t n = position_.size();
@@ -187,8 +262,46 @@ class LiquidEngineOf final : public LiquidEngine {
     });
   }
 
-  void set_poses(const std::vector<dem::BodyPose>& poses) {
+  void place_walls(const std::vector<dem::BodyPose>& poses) {
     for (std::uint32_t body = 0; body < walls_.bodies(); ++body) walls_.set_pose(body, poses[body]);
+  }
+  void set_poses(const std::vector<dem::BodyPose>& poses) {
+    poses_ = poses;
+    place_walls(poses);
+  }
+
+  // The bytes of an array, or of a single value.
+  template <class Array>
+  static auto bytes_of(Array& array) {
+    if constexpr (requires { std::span(array); })
+      return as_bytes_of(std::span(array));
+    else
+      return as_bytes_of(std::span(&array, 1));
+  }
+  template <class T, std::size_t extent>
+  static auto as_bytes_of(std::span<T, extent> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return std::as_bytes(values);
+  }
+  template <class Array>
+  static void assign(const std::vector<std::byte>& bytes, Array& array) {
+    const std::span<const std::byte> to = bytes_of(array);
+    if (!bytes.empty()) std::memcpy(const_cast<std::byte*>(to.data()), bytes.data(), bytes.size());
+  }
+
+  Wrench wrench_of(const BodySum& s) const {
+    Wrench w;
+    for (int a = 0; a < 3; ++a) {
+      w.force[a] = setup_.liquid.mass() * dem::from_fixed(s.acceleration[a], quanta_.acceleration);
+      w.torque[a] = dem::from_fixed(s.torque[a], quanta_.torque);
+    }
+    return w;
+  }
+
+  void use_list() {
+    liquid_.start = list_.start.data();
+    liquid_.neighbour = list_.neighbour.data();
+    give_arrays();
   }
 
   Vec3d centre(std::uint32_t i) const { return centres_.metres(centres_.joined(position_[i], fine_[i])); }
@@ -283,9 +396,7 @@ class LiquidEngineOf final : public LiquidEngine {
     if (grid_.total == 0)
       grid_ = dem::make_cell_grid(setup_.domain, setup_.periods, reach_, dem::most_cells(x.size()));
     build_list(grid_, setup_.periods, x, reach_, walls_, pool_, list_);
-    liquid_.start = list_.start.data();
-    liquid_.neighbour = list_.neighbour.data();
-    give_arrays();
+    use_list();
     built_at_ = std::move(x);
     built_poses_ = walls_.poses();
     ++figures_.rebuilds;
@@ -338,7 +449,11 @@ class LiquidEngineOf final : public LiquidEngine {
   std::vector<double> compression_;
   std::vector<Vec3d> acceleration_[2];
   std::vector<double> rate_[2];
-  std::vector<BodySum> body_sums_;
+  std::vector<BodySum> body_sums_, previous_body_sums_;
+  std::vector<Wrench> step_loads_;
+  std::vector<dem::BodyPose> poses_;
+  std::vector<std::vector<std::byte>> saved_;  // in the order of each_array
+  NeighbourList saved_list_;
   LiquidArrays<Real> liquid_;
   SumRates<Real, shifting> rates_;
   Quanta quanta_;
