@@ -80,7 +80,6 @@ WindowBalance Accounts::balance_of(const Exchange& exchange) {
 
 void Accounts::record(const Exchange& exchange) {
   ++windows_;
-  const double H = exchange.load.window.length();
   last_ = balance_of(exchange);
   energy_created_ += last_.created();
   energy_exchanged_ += last_.exchanged();
