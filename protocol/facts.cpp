@@ -191,8 +191,7 @@ void expect_possible(const DemFacts& facts) {
   expect_part(Role::dem, facts.went_out, "went_out", facts.spheres, "spheres");
 }
 
-void expect_possible(const SphFacts&) {
-}
+void expect_possible(const SphFacts&) {}
 
 template <class Facts>
 void decode(Role role, const Json& sent, Facts& facts) {

@@ -25,17 +25,18 @@ enum class Kind : std::uint16_t {
 };
 const char* name(Kind kind);
 
-// `dem` and `sph` are load solvers: motion in, loads out. Their sessions have the same messages; a run may have
-// one of each.
+// `dem` and `sph` are load solvers: motion in, loads out. Their sessions have the same messages; a run may
+// have one of each.
 enum class Role : std::uint32_t { mbd = 1, dem = 2, sph = 3 };
 inline constexpr std::array all_roles{Role::mbd, Role::dem, Role::sph};
-const char* name(Role role);      // "mbd_server", "dem_server", "sph_server"
-const char* word_of(Role role);   // "mbd", "dem", "sph": the part of the scene, and the word of the command line
+const char* name(Role role);  // "mbd_server", "dem_server", "sph_server"
+const char* word_of(
+    Role role);  // "mbd", "dem", "sph": the part of the scene, and the word of the command line
 
 // ---- registration
 
-// Capability bits. A coordinator refuses a participant without a bit that the run needs. Those of `dem` are of
-// all load solvers.
+// Capability bits. A coordinator refuses a participant without a bit that the run needs. Those of `dem` are
+// of all load solvers.
 enum Capability : std::uint64_t {
   can_predict = 1u << 0,      // mbd: answers predict
   can_rollback = 1u << 1,     // answers save and restore

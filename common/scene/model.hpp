@@ -618,7 +618,8 @@ struct Scene {
   std::optional<Mbd> mbd;
   std::optional<Dem> dem;
   std::optional<Sph> sph;
-  // Those of dem.walls, then those of sph.walls, then those of the bodies; the walls of both follow from them.
+  // Those of dem.walls, then those of sph.walls, then those of the bodies; the walls of both follow from
+  // them.
   std::vector<Shape> shapes;
   std::optional<BodyContact> contact;  // of mbd.contact; absent: bodies do not touch each other
   bool is_plain = true;                // the text is the one for the solvers (common/scene/plain_text.hpp)

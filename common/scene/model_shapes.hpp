@@ -95,10 +95,10 @@ struct Shape {
 struct Wall {
   std::string name;
   BodyId body = ground;  // the body it belongs to
-  MaterialId material;  // for grains
-  Pose pose;            // of the shape's frame in the body's frame (ground: in the world)
+  MaterialId material;   // for grains
+  Pose pose;             // of the shape's frame in the body's frame (ground: in the world)
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
-  std::string path{};  // in the file, for messages; empty: its place in the list
+  std::string path{};                               // in the file, for messages; empty: its place in the list
   std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
 };
 

@@ -21,8 +21,8 @@ ParticleGroup parse_group(const Node& node, const Names& materials);
 // A function of time.
 Motion parse_motion(const Node& node, const std::string& format);
 
-// Reads dem.walls, sph.walls and the shapes of the bodies into a scene whose `mbd`, `dem` and `sph` are known,
-// and makes the walls of both kinds of particles from them.
+// Reads dem.walls, sph.walls and the shapes of the bodies into a scene whose `mbd`, `dem` and `sph` are
+// known, and makes the walls of both kinds of particles from them.
 void parse_shapes(const Node& root, Scene& scene);
 
 // Reads the pairs into a `dem` whose law is known.

@@ -102,7 +102,12 @@ TriangleMesh mesh_of(const Shape& shape, const TriangleMesh& in_file, int segmen
 }
 
 Wall wall_of(const Shape& shape) {
-  Wall wall{shape.name, shape.body, shape.material.value_or(MaterialId{}), shape.pose, {}, shape.path,
+  Wall wall{shape.name,
+            shape.body,
+            shape.material.value_or(MaterialId{}),
+            shape.pose,
+            {},
+            shape.path,
             shape.surface_velocity};
   std::visit(
       [&](const auto& geometry) {

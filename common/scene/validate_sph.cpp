@@ -20,8 +20,9 @@ void validate_fill_of(const Box& box, const Sph& sph, const std::string& origin,
       fail(origin, element(path + ".max", axis),
            "the box is " + text(edge) + " m wide along " + "xyz"[axis] + ", which is " + rounded(count) +
                " times sph.spacing",
-           "particles are cubes of one spacing: give " + rounded(box.min[axis] + fewer * sph.spacing) + " or " +
-               rounded(box.min[axis] + (fewer + 1) * sph.spacing) + ", or a spacing of " + rounded(edge / fewer));
+           "particles are cubes of one spacing: give " + rounded(box.min[axis] + fewer * sph.spacing) +
+               " or " + rounded(box.min[axis] + (fewer + 1) * sph.spacing) + ", or a spacing of " +
+               rounded(edge / fewer));
     }
     const char* side = box.min[axis] < sph.domain.min[axis]   ? "min"
                        : box.max[axis] > sph.domain.max[axis] ? "max"

@@ -117,9 +117,10 @@ std::string path_of(const Wall& wall, std::size_t index, const char* list = "dem
   return wall.path.empty() ? element(list, index) : wall.path;
 }
 
-// What holds for walls of grains and of a liquid. `list`: their place in the scene, `touch`: what touches them.
-void validate_surfaces(const std::vector<Wall>& walls, const char* list, const char* touch, const Scene& scene,
-                       const std::string& origin) {
+// What holds for walls of grains and of a liquid. `list`: their place in the scene, `touch`: what touches
+// them.
+void validate_surfaces(const std::vector<Wall>& walls, const char* list, const char* touch,
+                       const Scene& scene, const std::string& origin) {
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const std::string path = path_of(walls[i], i, list);
     require_unit(walls[i].pose.q_WB, origin, path + ".orientation");
@@ -153,7 +154,8 @@ void validate_liquid_walls(const Scene& scene, const std::string& origin) {
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const std::string path = path_of(walls[i], i, "sph.walls");
     if (std::holds_alternative<PlaneShape>(walls[i].shape) && walls[i].body != ground)
-      fail(origin, path + ".shape", "the plane is on a body that moves, and the liquid knows no endless walls there",
+      fail(origin, path + ".shape",
+           "the plane is on a body that moves, and the liquid knows no endless walls there",
            "give a face of a box: a box with five open faces");
     if (const auto* cylinder = std::get_if<CylinderShape>(&walls[i].shape); cylinder && !cylinder->height)
       fail(origin, path + ".shape", "the cylinder is endless, and the liquid knows no such wall",

@@ -55,7 +55,8 @@ std::string checks_as_markdown() {
       roles += fmt::format("{}{}", roles.empty() ? "" : ", ", protocol::word_of(role));
       scene += fmt::format("{}`{}`", scene.empty() ? "" : ", ", check.scene(role));
     }
-    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", check.name, roles, check.needs == 0 ? "-" : "`" + protocol::capability_names(check.needs) + "`", scene,
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", check.name, roles,
+                        check.needs == 0 ? "-" : "`" + protocol::capability_names(check.needs) + "`", scene,
                         check.any_scene ? "yes" : "no", check.meaning);
   }
   return text;

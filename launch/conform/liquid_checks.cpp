@@ -38,7 +38,8 @@ void liquid_weight(Examination& e) {
   const Vec3d weight = mass_of_liquid(e) * e.scene().gravity;
   e.compare("force on the basin", mean.force, weight, 1e-2 * norm(weight), "N");
   // The liquid is in the middle of the basin.
-  e.compare("torque on the basin about its centre of mass", mean.torque, Vec3d{}, 1e-2 * 0.06 * norm(weight), "N m");
+  e.compare("torque on the basin about its centre of mass", mean.torque, Vec3d{}, 1e-2 * 0.06 * norm(weight),
+            "N m");
 }
 
 void liquid_flight(Examination& e) {
@@ -88,7 +89,8 @@ void liquid_frame(Examination& e) {
   const scene::Box& box = liquid_of(e).fill.front();
   const double depth = box.max.z - box.min.z - 0.5 * spacing,
                pressure = liquid_of(e).density * norm(e.scene().gravity) * depth;
-  e.compare("mean pressure of the lowest layer", lowest / std::max(1.0, number), pressure, 0.1 * pressure, "Pa");
+  e.compare("mean pressure of the lowest layer", lowest / std::max(1.0, number), pressure, 0.1 * pressure,
+            "Pa");
 }
 
 }  // namespace
@@ -100,10 +102,11 @@ void add_liquid_checks(std::vector<Check>& table) {
   };
   add("liquid_weight", "a liquid at rest loads the body that holds it by its weight", 0, "basin",
       liquid_weight);
-  add("liquid_flight", "without walls the momentum of the liquid changes by the impulse of gravity", 0, "block",
-      liquid_flight);
+  add("liquid_flight", "without walls the momentum of the liquid changes by the impulse of gravity", 0,
+      "block", liquid_flight);
   add("liquid_frame",
-      "the frame has all particles, inside the domain, with the density of the liquid and a pressure that grows "
+      "the frame has all particles, inside the domain, with the density of the liquid and a pressure that "
+      "grows "
       "with the depth",
       protocol::can_observe_liquid, "basin", liquid_frame);
 }

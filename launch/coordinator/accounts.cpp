@@ -108,8 +108,7 @@ void Accounts::record(const Exchange& exchange) {
 void ParticleBalance::record(const protocol::LoadSet& load) {
   if (load.account.micro_steps == 0) return;  // no particles
   // From the end of the last window to the begin of this one nothing acts on the particles.
-  const Vec3d jump =
-      account_.micro_steps > 0 ? load.account.momentum_begin - account_.momentum_end : Vec3d{};
+  const Vec3d jump = account_.micro_steps > 0 ? load.account.momentum_begin - account_.momentum_end : Vec3d{};
   account_ = load.account;
   largest_micro_step_ = std::max(largest_micro_step_, account_.micro_step);
   micro_steps_ += account_.micro_steps;

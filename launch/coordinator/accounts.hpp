@@ -48,13 +48,13 @@ class ParticleBalance {
   double momentum() const;
   double momentum_windows() const;
   std::uint64_t micro_steps() const { return micro_steps_; }
-  double largest_micro_step() const { return largest_micro_step_; }          // [s]
+  double largest_micro_step() const { return largest_micro_step_; }      // [s]
   const protocol::ParticleAccount& account() const { return account_; }  // of the last window
 
  private:
-  Vec3d error_;             // sum over the windows [N s]
-  double error_sum_ = 0;    // sum of the sizes of the errors of the windows [N s]
-  double scale_[3] = {};    // sums of |change|, |gravity|, |loads| [N s]
+  Vec3d error_;           // sum over the windows [N s]
+  double error_sum_ = 0;  // sum of the sizes of the errors of the windows [N s]
+  double scale_[3] = {};  // sums of |change|, |gravity|, |loads| [N s]
   std::uint64_t micro_steps_ = 0;
   double largest_micro_step_ = 0;  // [s]
   protocol::ParticleAccount account_;

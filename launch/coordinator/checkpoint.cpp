@@ -216,7 +216,8 @@ void Checkpoints::write(const Solvers& solvers, Coupler& coupler, Results& resul
 void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Coupler& coupler,
                               Results& results) const {
   const std::vector<protocol::Remote*> all = all_of(solvers);
-  for (protocol::Remote* solver : all) solver->checkpoint(order_of(coupler, folder / file_of(solver->role())));
+  for (protocol::Remote* solver : all)
+    solver->checkpoint(order_of(coupler, folder / file_of(solver->role())));
 
   StateWriter file(folder / run_file, state_kind, state_version);
   for (const protocol::Remote* solver : all)
@@ -282,12 +283,13 @@ void expect_program(const StateReader& run, const protocol::Remote& solver) {
   const protocol::Role role = solver.role();
   const std::string wrote = run.text(program_of(role));
   if (name_of_program(wrote) == name_of_program(solver.program())) return;
-  throw Error(ErrorCode::usage,
-              fmt::format("its state of {} was written by {}, and here {} runs", protocol::name(role),
-                          printable(shortened(wrote)), printable(shortened(solver.program()))),
-              run.path().string(),
-              fmt::format("continue with that program (--{}-server), or start from the begin, without --restart",
-                          protocol::word_of(role)));
+  throw Error(
+      ErrorCode::usage,
+      fmt::format("its state of {} was written by {}, and here {} runs", protocol::name(role),
+                  printable(shortened(wrote)), printable(shortened(solver.program()))),
+      run.path().string(),
+      fmt::format("continue with that program (--{}-server), or start from the begin, without --restart",
+                  protocol::word_of(role)));
 }
 
 // The folder with the row files of a checkpoint: that of its run, or the checkpoint's own where a user has

@@ -370,8 +370,8 @@ std::string describe_sph(const SceneFile& file, const DryRun* started) {
   Table liquids("liquid", {"name", "density [kg/m3]", "viscosity [Pa s]", "box [m]"});
   for (const Liquid& liquid : sph.liquids)
     for (const Box& box : liquid.fill)
-      liquids.add({liquid.name, fmt::format("{:.6g}", liquid.density), fmt::format("{:.6g}", liquid.viscosity),
-                   text(box.min) + " .. " + text(box.max)});
+      liquids.add({liquid.name, fmt::format("{:.6g}", liquid.density),
+                   fmt::format("{:.6g}", liquid.viscosity), text(box.min) + " .. " + text(box.max)});
   Table walls("walls of the liquid", {"name", "body", "shape [m]"});
   for (const Wall& wall : sph.walls) walls.add({wall.name, scene.body_name(wall.body), shape(wall)});
   return liquids.print() + walls.print() + (scene.dem ? "" : describe_meshes(file.mesh_facts)) +
@@ -401,7 +401,8 @@ std::string describe(const SceneFile& file, const DryRun* started) {
   if (scene.sph) out += describe_sph(file, started);
   out += fmt::format("\nrun: {:.6g} s in {:.0f} windows of {:.6g} s", scene.end_time,
                      std::ceil(scene.end_time / scene.coupling.window - 1e-9), scene.coupling.window);
-  if (scene.mbd && scene.has_particles()) out += fmt::format(", scheme {}", launch::name(scene.coupling.scheme));
+  if (scene.mbd && scene.has_particles())
+    out += fmt::format(", scheme {}", launch::name(scene.coupling.scheme));
   out += fmt::format("; {} checks\n", scene.checks.size());
   const std::string lines = remarks(file, started);
   return lines.empty() ? out : out + "\n" + lines;

@@ -1,5 +1,5 @@
-// The load solvers of a run, of grains, of a liquid or several of them, as one: each gets the same motion, and
-// their loads add up.
+// The load solvers of a run, of grains, of a liquid or several of them, as one: each gets the same motion,
+// and their loads add up.
 #pragma once
 
 #include <span>
@@ -31,8 +31,8 @@ bool any_linearises(const Solvers& solvers);
 protocol::TangentSet linearise_loads(const Solvers& solvers);
 
 // The loads of several solvers over one window, which all of them have. Bodies in ascending order, the values
-// of sensors one after the other. The account is that of all particles together: sums, but the largest overlap,
-// and number and length of micro steps of the solver with the longest ones.
+// of sensors one after the other. The account is that of all particles together: sums, but the largest
+// overlap, and number and length of micro steps of the solver with the longest ones.
 protocol::LoadSet sum_of(std::span<const protocol::LoadSet> loads);
 
 }  // namespace tandem::launch

@@ -277,8 +277,7 @@ void Run::finish() {
   phase_ = fmt::format("after the last window (t = {:.6g} s)", to_seconds(now_));
   participants_->expect_leaving();
   if (solvers_.mbd) summary_.add_facts(Role::mbd, solvers_.mbd->finish().facts);
-  for (protocol::Remote* solver : solvers_.loads)
-    summary_.add_facts(solver->role(), solver->finish().facts);
+  for (protocol::Remote* solver : solvers_.loads) summary_.add_facts(solver->role(), solver->finish().facts);
   summary_.set_leaving(participants_->leave());
   solvers_ = {};
   participants_.reset();
@@ -381,8 +380,7 @@ Run::ParticleCheck Run::check_of_frame() {
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
-  if (frames_have(Role::sph))
-    solvers_.of(Role::sph)->observe_particles(now_, results_.liquid_to_write());
+  if (frames_have(Role::sph)) solvers_.of(Role::sph)->observe_particles(now_, results_.liquid_to_write());
   protocol::ParticlesFrame* frame = frames_have(Role::dem) ? &results_.particles_to_write() : nullptr;
   if (frame) {
     solvers_.of(Role::dem)->observe_particles(now_, *frame);
@@ -462,8 +460,8 @@ void Run::write_checkpoint() {
   stopwatch_.end_output(solvers_);
 }
 
-// Number of particles in the domain. With inlets or outlets the solver of grains reports it at the end only: 0
-// until then, and where it does not report it at all.
+// Number of particles in the domain. With inlets or outlets the solver of grains reports it at the end only:
+// 0 until then, and where it does not report it at all.
 std::uint64_t Run::spheres_there() const {
   if (scene_.sph) return scene_.dem ? 0 : summary_.facts().sph.particles.value_or(0);
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;

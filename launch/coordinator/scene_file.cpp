@@ -166,7 +166,8 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   if (file.scene.sph) note_server("sph.server", "sph_server", file.scene.sph->server);
   if (file.scene.dem && file.scene.sph)
     file.notes.emplace_back(
-        "grains and liquid do not feel each other: both act on the same walls, and each is computed as if the "
+        "grains and liquid do not feel each other: both act on the same walls, and each is computed as if "
+        "the "
         "other was not there");
   return file;
 }

@@ -15,8 +15,8 @@ class Archive;
 // All data exchanged at the interface of the solvers in one window. It is kept from window to window: schemes
 // that hold a load use the `load` of the last window. Empty before the first window: no load acts yet.
 struct Exchange {
-  protocol::MotionSet path;       // prescribed to the particles
-  protocol::LoadSet load;         // of all particles along this path
+  protocol::MotionSet path;  // prescribed to the particles
+  protocol::LoadSet load;    // of all particles along this path
   // Where several solvers have particles, the loads of each, in the order of Solvers::loads; else empty.
   std::vector<protocol::LoadSet> parts;
   protocol::LoadSet applied;      // that acted on the bodies

@@ -29,7 +29,7 @@ Names names_of(Role role) {
 
 // Whether the scene has what a server of this role computes, and the command that the scene names for it.
 bool has_part(Role role, const scene::Scene& scene) {
-  return role == Role::mbd ? scene.mbd.has_value()
+  return role == Role::mbd   ? scene.mbd.has_value()
          : role == Role::dem ? scene.dem.has_value()
                              : scene.sph.has_value();
 }
@@ -113,11 +113,11 @@ std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, co
   for (const Role other : protocol::all_roles)
     if (given.value_or(of_scene) == protocol::name(other))
       throw Error(ErrorCode::usage,
-                fmt::format("'{}' computes the {}, and the server of the {} is wanted here", command,
-                            names_of(other).part, names.part),
-                where,
-                fmt::format("leave it out for {}; {} is for the other one", protocol::name(role),
-                            names_of(other).option));
+                  fmt::format("'{}' computes the {}, and the server of the {} is wanted here", command,
+                              names_of(other).part, names.part),
+                  where,
+                  fmt::format("leave it out for {}; {} is for the other one", protocol::name(role),
+                              names_of(other).option));
   if (options.transport == Transport::inproc)
     throw Error(
         ErrorCode::usage,

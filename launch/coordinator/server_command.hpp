@@ -1,5 +1,5 @@
-// A server other than mbd_server, dem_server and sph_server: the command that starts it, from the command line or from the
-// scene.
+// A server other than mbd_server, dem_server and sph_server: the command that starts it, from the command
+// line or from the scene.
 #pragma once
 
 #include <array>

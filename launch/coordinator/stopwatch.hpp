@@ -14,8 +14,8 @@ inline double seconds_since(std::chrono::steady_clock::time_point begin) {
 // Wall time of the windows by its use [s].
 struct TimeSplit {
   double mbd = 0, dem = 0, sph = 0;  // waiting for the solver's own work
-  double exchange = 0;      // encoding, copying, waking up
-  double output = 0;        // observing the solvers, writing rows, waiting for frames that are being written
+  double exchange = 0;               // encoding, copying, waking up
+  double output = 0;  // observing the solvers, writing rows, waiting for frames that are being written
 };
 
 class Stopwatch {

@@ -40,8 +40,8 @@ class Summary {
                   const std::optional<ServerCommand>& foreign);
   // Adds the facts that a solver sent. Lists (left_out, warnings) of the solvers are joined; solver_seconds,
   // which several send, is stored with the solver's name, "mbd_..." and "dem_..."; all other facts of the
-  // solver of a liquid are in the object "sph". Throws the ProtocolError of decode_facts(), and Error{protocol} for a key that belongs to the coordinator, such as
-  // `status`.
+  // solver of a liquid are in the object "sph". Throws the ProtocolError of decode_facts(), and
+  // Error{protocol} for a key that belongs to the coordinator, such as `status`.
   void add_facts(protocol::Role role, const std::string& facts);
   void add_warning(const std::string& sentence);  // repeated sentences are added once
   // The run continues from this checkpoint.

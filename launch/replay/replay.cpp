@@ -8,7 +8,6 @@
 
 #include "common/log.hpp"
 #include "dem_server/coupling/make_solver.hpp"
-#include "sph_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/processes.hpp"
 #include "launch/coordinator/server_command.hpp"
@@ -19,6 +18,7 @@
 #include "protocol/replay.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/stream/stream_channel.hpp"
+#include "sph_server/coupling/make_solver.hpp"
 
 namespace tandem::launch {
 namespace {

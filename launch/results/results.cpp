@@ -255,7 +255,8 @@ void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
     if (prepare && s.frame_particles) prepare(*s.frame_particles);
     try {
       if (s.particle_series) s.particle_series->append(*s.frame_particles, s.columns_of(*s.frame_particles));
-      if (s.liquid_series) s.liquid_series->append(*s.frame_liquid, State::columns_of_liquid(*s.frame_liquid));
+      if (s.liquid_series)
+        s.liquid_series->append(*s.frame_liquid, State::columns_of_liquid(*s.frame_liquid));
       if (s.contact_series) s.contact_series->append(*s.frame_particles);
       std::vector<std::vector<CellColumn>> cells;
       if (s.wall_fields) cells = s.wall_fields->of(*s.frame_particles);

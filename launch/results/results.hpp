@@ -1,7 +1,7 @@
 // The files that a run writes to its folder: bodies.csv, joints.csv, elements.csv, sensors.csv,
-// particles.{h5,xdmf}, liquid.{h5,xdmf}, bodies.{h5,xdmf} and frames/. Summary, report and picture are made from these at the
-// end. common/scene/columns.hpp names the columns of the CSV files, which follow "time"; contact loads are
-// window means.
+// particles.{h5,xdmf}, liquid.{h5,xdmf}, bodies.{h5,xdmf} and frames/. Summary, report and picture are made
+// from these at the end. common/scene/columns.hpp names the columns of the CSV files, which follow "time";
+// contact loads are window means.
 #pragma once
 
 #include <filesystem>

@@ -73,7 +73,7 @@ class WallWatch {
 
   const scene::Scene& scene_;
   const std::vector<scene::Wall> walls_;  // of all particle solvers
-  std::vector<std::size_t> group_;  // of welded bodies, by body; the ground last
+  std::vector<std::size_t> group_;        // of welded bodies, by body; the ground last
   std::vector<WallSurface> surfaces_;
   std::vector<Pair> pairs_;
   std::size_t next_ = 0;  // pair to check first, so that all pairs are checked in turn

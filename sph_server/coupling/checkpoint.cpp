@@ -1,4 +1,5 @@
-// The state of the liquid on disk: that of the engine, and what the solver itself keeps from window to window.
+// The state of the liquid on disk: that of the engine, and what the solver itself keeps from window to
+// window.
 #include <fmt/format.h>
 
 #include <span>

@@ -52,7 +52,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     throw Error(ErrorCode::scene, "has no 'sph'", configuration.origin, "no sph_server is needed");
   scene::expect_no_solver_options(scene_.sph->solver_options, configuration.origin, "sph", "sph_server");
   if (configuration.backend == "cuda" && !scene_.dem)
-    throw Error(ErrorCode::resource, "sph_server computes on the CPU only", "--backend", "give --backend cpu");
+    throw Error(ErrorCode::resource, "sph_server computes on the CPU only", "--backend",
+                "give --backend cpu");
   const scene::Sph& sph = *scene_.sph;
   const scene::Liquid& liquid = sph.liquids.front();
 
@@ -60,11 +61,12 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   particles_ = sites.position.size();
   if (const std::uint64_t size = protocol::size_of_particles_frame(particles_, true);
       scene_.output.particles && size > protocol::max_payload)
-    throw Error(ErrorCode::resource,
-                fmt::format("a frame of {} particles has {:.2f} GB; messages end at {:.2f} GB", particles_,
-                            static_cast<double>(size) / 1e9, static_cast<double>(protocol::max_payload) / 1e9),
-                "output.particles",
-                "leave particles out of frames (\"output\": {\"particles\": false}), or use a larger spacing");
+    throw Error(
+        ErrorCode::resource,
+        fmt::format("a frame of {} particles has {:.2f} GB; messages end at {:.2f} GB", particles_,
+                    static_cast<double>(size) / 1e9, static_cast<double>(protocol::max_payload) / 1e9),
+        "output.particles",
+        "leave particles out of frames (\"output\": {\"particles\": false}), or use a larger spacing");
   properties_ = properties_of(sph, scene_.gravity, sites.deepest());
   const std::vector<BodyWalls> walls = walls_of_bodies(scene_, configuration.meshes);
   std::vector<dem::BodyPose> poses;
@@ -82,12 +84,14 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   setup.periods = periods_of(sph);
   setup.slip.assign(walls.size(), sph.wall_friction == scene::WallFriction::free_slip);
   setup.threads = configuration.threads;
-  const double window = scene_.coupling.adaptive ? scene_.coupling.adaptive->max_window : scene_.coupling.window;
+  const double window =
+      scene_.coupling.adaptive ? scene_.coupling.adaptive->max_window : scene_.coupling.window;
   if (const double steps = window / step_at_rest(); steps > most_steps)
-    throw Error(ErrorCode::scene,
-                fmt::format("the step of {:.4g} s cuts the window of {:.4g} s into {:.4g} steps, more than {:.0f}",
-                            step_at_rest(), window, steps, most_steps),
-                sph.micro_step ? "sph.micro_step" : "sph.spacing", "enlarge it, or shorten the window");
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the step of {:.4g} s cuts the window of {:.4g} s into {:.4g} steps, more than {:.0f}",
+                    step_at_rest(), window, steps, most_steps),
+        sph.micro_step ? "sph.micro_step" : "sph.spacing", "enlarge it, or shorten the window");
   engine_ = make_liquid_engine(setup, sph.precision == scene::LiquidPrecision::mixed);
   engine_->set_state(fill_of(sites, liquid, properties_), poses);
   const EnergyBalance energies = engine_->energies();
@@ -103,10 +107,12 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (properties_.viscosity == 0 && properties_.artificial == 0)
     left_out.emplace_back("viscosity of the liquid: it has none");
   left_out.emplace_back("surface tension of the liquid");
-  if (scene_.dem) left_out.emplace_back("forces between grains and liquid: each is as if the other was not there");
+  if (scene_.dem)
+    left_out.emplace_back("forces between grains and liquid: each is as if the other was not there");
   facts.sound_speed = properties_.sound_speed;
   facts.longest_step = step_at_rest();
-  facts.steps_per_window = static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / step_at_rest() * (1 - 1e-12)));
+  facts.steps_per_window =
+      static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / step_at_rest() * (1 - 1e-12)));
   facts.warnings = warnings_;  // also here, since a run that fails requests no report
   nlohmann::ordered_json others;
   others["spacing_m"] = properties_.spacing;
@@ -114,10 +120,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   others["depth_m"] = sites.deepest();
   others["sound_speed_by"] = liquid.sound_speed ? "scene" : "rule";
   others["setup_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  log::info("{} particles of '{}' on cpu ({}), spacing {:.4g} m, speed of sound {:.4g} m/s, step {:.4g} s: {} in a "
-            "window",
-            particles_, liquid.name, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
-            *facts.steps_per_window);
+  log::info(
+      "{} particles of '{}' on cpu ({}), spacing {:.4g} m, speed of sound {:.4g} m/s, step {:.4g} s: {} in a "
+      "window",
+      particles_, liquid.name, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
+      *facts.steps_per_window);
   for (const std::string& what : left_out) log::info("left out: {}", what);
   return {{}, protocol::encode_facts(facts, others), {}};
 }

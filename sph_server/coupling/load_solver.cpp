@@ -48,13 +48,14 @@ double Solver::next_step(double left) const {
   const double stable =
       step_limits(properties_, figures.largest_speed, figures.largest_acceleration).smallest;
   if (!(stable >= least_step_share * step_at_rest()))
-    throw Error(ErrorCode::numerics,
-                fmt::format("the liquid flies apart: with a particle of {:.3g} m/s and one of {:.3g} m/s2 the "
-                            "step would be {:.3g} s, and that of the liquid at rest is {:.3g} s",
-                            figures.largest_speed, figures.largest_acceleration, stable, step_at_rest()),
-                "liquid",
-                "give a larger sound_speed or artificial_viscosity, or a smaller sph.spacing where bodies or "
-                "walls are only a few spacings thick");
+    throw Error(
+        ErrorCode::numerics,
+        fmt::format("the liquid flies apart: with a particle of {:.3g} m/s and one of {:.3g} m/s2 the "
+                    "step would be {:.3g} s, and that of the liquid at rest is {:.3g} s",
+                    figures.largest_speed, figures.largest_acceleration, stable, step_at_rest()),
+        "liquid",
+        "give a larger sound_speed or artificial_viscosity, or a smaller sph.spacing where bodies or "
+        "walls are only a few spacings thick");
   const double longest = std::min(stable, scene_.sph->micro_step.value_or(stable));
   return left / std::max(1.0, std::ceil(left / longest * (1 - 1e-12)));
 }
@@ -70,10 +71,11 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   const double cpu_begin = cpu_seconds(CpuClock::process);  // of all threads
   const double length = motion.window.length();
   if (const double steps = length / step_at_rest(); !(steps <= most_steps))
-    throw Error(ErrorCode::protocol,
-                fmt::format("a window of {:.4g} s would have {:.4g} steps of {:.4g} s; at most {:.0f} are done",
-                            length, steps, step_at_rest(), most_steps),
-                "motion", "send windows no longer than those of the scene");
+    throw Error(
+        ErrorCode::protocol,
+        fmt::format("a window of {:.4g} s would have {:.4g} steps of {:.4g} s; at most {:.0f} are done",
+                    length, steps, step_at_rest(), most_steps),
+        "motion", "send windows no longer than those of the scene");
   set_paths(motion);
   loads_.window = motion.window;
   loads_.bodies.assign(bodies_.size(), {});
@@ -105,7 +107,8 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   account.micro_steps = steps;
   account.micro_step = length / static_cast<double>(steps);
   account.momentum_end = engine_->momentum();
-  account.gravity_impulse = (length * static_cast<double>(particles_) * properties_.mass()) * properties_.gravity;
+  account.gravity_impulse =
+      (length * static_cast<double>(particles_) * properties_.mass()) * properties_.gravity;
   account.rebuilds = engine_->figures().rebuilds;
   memory_.now = motion.window.end.count;
   memory_.micro_steps += steps;
@@ -144,8 +147,10 @@ void Solver::watch_limits() {
               memory_.density_error, largest_density_error,
               sound_speed_for(memory_.density_error, properties_.sound_speed));
   if (mach > largest_mach && !std::exchange(warned_mach_, true))
-    log::warn("a particle has {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use a sound_speed of {:.3g} m/s",
-              memory_.speed, mach, largest_mach, memory_.speed / largest_mach);
+    log::warn(
+        "a particle has {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use a sound_speed of {:.3g} "
+        "m/s",
+        memory_.speed, mach, largest_mach, memory_.speed / largest_mach);
 }
 
 void Solver::watch_energy() {
@@ -216,12 +221,14 @@ std::vector<std::string> Solver::warnings_of_run() const {
   std::vector<std::string> all = warnings_;
   if (memory_.density_error > largest_density_error)
     all.push_back(fmt::format(
-        "the density of the liquid was off by up to {:.2g} (limit {:.2g}): use a sound_speed of {:.3g} m/s (now {:.3g})",
+        "the density of the liquid was off by up to {:.2g} (limit {:.2g}): use a sound_speed of {:.3g} m/s "
+        "(now {:.3g})",
         memory_.density_error, largest_density_error,
         sound_speed_for(memory_.density_error, properties_.sound_speed), properties_.sound_speed));
   if (const double mach = memory_.speed / properties_.sound_speed; mach > largest_mach)
     all.push_back(fmt::format(
-        "the fastest particle of the liquid had {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use a "
+        "the fastest particle of the liquid had {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use "
+        "a "
         "sound_speed of {:.3g} m/s (now {:.3g})",
         memory_.speed, mach, largest_mach, memory_.speed / largest_mach, properties_.sound_speed));
   if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)
@@ -255,13 +262,10 @@ protocol::Report Solver::report() {
   others["list_rebuilds"] = figures.rebuilds;
   others["particle_steps"] = particles_ * memory_.micro_steps;
   others["energy_J"] = {{"kinetic", e.kinetic}, {"compression", e.compression}};
-  others["work_J"] = {{"gravity", e.gravity},
-                      {"viscosity", e.viscosity},
-                      {"bulk_viscosity", e.bulk_viscosity},
-                      {"diffusion", e.diffusion},
-                      {"ghost", e.ghost},
-                      {"walls", e.walls},
-                      {"edges", e.edges}};
+  others["work_J"] = {
+      {"gravity", e.gravity},     {"viscosity", e.viscosity}, {"bulk_viscosity", e.bulk_viscosity},
+      {"diffusion", e.diffusion}, {"ghost", e.ghost},         {"walls", e.walls},
+      {"edges", e.edges}};
   return {protocol::encode_facts(facts, others)};
 }
 

@@ -1,5 +1,5 @@
-// The solver of liquids as a participant of the protocol: it receives the motion of the bodies and returns the
-// loads of the liquid.
+// The solver of liquids as a participant of the protocol: it receives the motion of the bodies and returns
+// the loads of the liquid.
 #pragma once
 
 #include <memory>
@@ -70,7 +70,7 @@ class Solver final : public protocol::LoadSolver {
   std::size_t particles_ = 0;
   Memory memory_, saved_;
   std::vector<dem::PreparedPath> paths_;
-  std::vector<dem::BodyPose> poses_, previous_poses_;  // of bodies_, at the ends of the present step
+  std::vector<dem::BodyPose> poses_, previous_poses_;   // of bodies_, at the ends of the present step
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
   bool warned_density_ = false, warned_mach_ = false;
   std::vector<std::string> warnings_;

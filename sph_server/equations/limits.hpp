@@ -1,4 +1,5 @@
-// Limits within which the result of a weakly compressible liquid may be trusted, for warnings and the verdict.
+// Limits within which the result of a weakly compressible liquid may be trusted, for warnings and the
+// verdict.
 #pragma once
 
 namespace tandem::sph {

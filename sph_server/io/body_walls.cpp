@@ -52,9 +52,9 @@ std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vec
     const auto round = [&](double radius, const auto& mesh_of) {
       const int segments = segments_of(radius, sph.spacing);
       add(mesh_of(segments));
-      body.inside.push_back(fmt::format("wall '{}' has {} flat faces around, at most {:.2g} m inside its round surface",
-                                        wall.name, segments,
-                                        radius * (1 - std::cos(std::numbers::pi / segments))));
+      body.inside.push_back(
+          fmt::format("wall '{}' has {} flat faces around, at most {:.2g} m inside its round surface",
+                      wall.name, segments, radius * (1 - std::cos(std::numbers::pi / segments))));
     };
     if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
       append(square_of(*plane, wall.pose, sph), body.mesh);

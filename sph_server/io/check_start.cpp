@@ -43,7 +43,8 @@ template <class Visit>
 void visit_near(const Lattice& l, const dem::Facet& f, double margin, Visit visit) {
   int from[3], to[3];
   for (int a = 0; a < 3; ++a) {
-    const double low = std::min({f.a[a], f.b[a], f.c[a]}) - margin, high = std::max({f.a[a], f.b[a], f.c[a]}) + margin;
+    const double low = std::min({f.a[a], f.b[a], f.c[a]}) - margin,
+                 high = std::max({f.a[a], f.b[a], f.c[a]}) + margin;
     const double begin = std::ceil((low - l.box->min[a]) / l.step[a] - 0.5),
                  end = std::floor((high - l.box->min[a]) / l.step[a] - 0.5);
     from[a] = static_cast<int>(std::clamp(begin, 0.0, static_cast<double>(l.count[a])));
@@ -52,8 +53,10 @@ void visit_near(const Lattice& l, const dem::Facet& f, double margin, Visit visi
   for (int k = from[2]; k <= to[2]; ++k)
     for (int j = from[1]; j <= to[1]; ++j)
       for (int i = from[0]; i <= to[0]; ++i)
-        visit(l.first + (static_cast<std::size_t>(k) * static_cast<std::size_t>(l.count[1]) +
-                         static_cast<std::size_t>(j)) * static_cast<std::size_t>(l.count[0]) +
+        visit(l.first +
+              (static_cast<std::size_t>(k) * static_cast<std::size_t>(l.count[1]) +
+               static_cast<std::size_t>(j)) *
+                  static_cast<std::size_t>(l.count[0]) +
               static_cast<std::size_t>(i));
 }
 
@@ -74,11 +77,12 @@ void check_start(const Sites& sites, const scene::Scene& scene, const std::vecto
         visit_near(lattices[k], facet, margin, [&](std::size_t site) {
           dem::WallContact contact;
           if (!dem::touch_triangle(facet, sites.position[site], margin, contact)) return;
-          throw Error(ErrorCode::scene,
-                      fmt::format("a particle starts at {} m, nearer than {:.3g} m to a wall of '{}'",
-                                  scene::rounded(sites.position[site]), margin, scene.body_name(walls[b].body)),
-                      "sph.liquids[0]." + scene::element("fill", k),
-                      "let the box end at the wall: particles are half a spacing away from its faces");
+          throw Error(
+              ErrorCode::scene,
+              fmt::format("a particle starts at {} m, nearer than {:.3g} m to a wall of '{}'",
+                          scene::rounded(sites.position[site]), margin, scene.body_name(walls[b].body)),
+              "sph.liquids[0]." + scene::element("fill", k),
+              "let the box end at the wall: particles are half a spacing away from its faces");
         });
     }
   }

@@ -19,8 +19,8 @@ struct Sites {
 // The boxes of a validated scene. Boxes that touch are one liquid.
 Sites sites_of(const scene::Liquid& liquid, double spacing, Vec3d gravity);
 
-// Places, velocities and compressions of the particles. At hydrostatic pressure a column keeps its mass: it is
-// as much lower as its own weight compresses it.
+// Places, velocities and compressions of the particles. At hydrostatic pressure a column keeps its mass: it
+// is as much lower as its own weight compresses it.
 LiquidState fill_of(const Sites& sites, const scene::Liquid& liquid, const Liquid& properties);
 
 }  // namespace tandem::sph

@@ -8,20 +8,19 @@
 namespace tandem::scene::test {
 namespace {
 
-#define LIQUID(more)                                                                                       \
-  R"({"name": "water", "density": 1000, "viscosity": 0.001,)" more                                         \
+#define LIQUID(more)                                               \
+  R"({"name": "water", "density": 1000, "viscosity": 0.001,)" more \
   R"("fill": [{"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.1]}]})"
-#define SPH_WITH(liquids, more)                                                                            \
-  R"({"op": "add", "path": "/sph", "value": {"spacing": 0.02, "liquids": [)" liquids R"(],)" more          \
+#define SPH_WITH(liquids, more)                                                                   \
+  R"({"op": "add", "path": "/sph", "value": {"spacing": 0.02, "liquids": [)" liquids R"(],)" more \
   R"("domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}}})"
 #define SPH(liquids, more) "[" SPH_WITH(liquids, more) "]"
-#define FILL(boxes)                                                                                        \
-  SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": [)" boxes "]}", "")
+#define FILL(boxes) SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": [)" boxes "]}", "")
 
 TEST(Sph, IsRead) {
-  const nlohmann::json json = good_scene().patch(nlohmann::json::parse(
-      SPH(LIQUID(R"("velocity": [1, 0, 0], "pressure": "zero", "expected_speed": 3,)"),
-          R"("wall_friction": "free_slip", "precision": "double", "micro_step": 1e-4,
+  const nlohmann::json json = good_scene().patch(
+      nlohmann::json::parse(SPH(LIQUID(R"("velocity": [1, 0, 0], "pressure": "zero", "expected_speed": 3,)"),
+                                R"("wall_friction": "free_slip", "precision": "double", "micro_step": 1e-4,
              "walls": [{"name": "tub", "body": "crate", "shape": {"type": "box", "size": [1, 1, 1], "open": ["+z"]}}],)")));
   const Scene scene = parse(json.dump(), "scene.json");
   EXPECT_NO_THROW(validate(scene, "scene.json"));
@@ -57,26 +56,31 @@ const WrongScene wrong_sph[] = {
      "sph.liquids[0]: the key 'density' is missing (add density: density without pressure [kg/m3])"},
     {"TwoLiquids",
      SPH(LIQUID("") R"(, {"name": "oil", "density": 900, "viscosity": 0.1,
-         "fill": [{"type": "box", "min": [0, 0, 0.2], "max": [0.2, 0.2, 0.3]}]})", ""),
+         "fill": [{"type": "box", "min": [0, 0, 0.2], "max": [0.2, 0.2, 0.3]}]})",
+         ""),
      "sph.liquids[1]: 'oil' is a second liquid, and the solver computes one (leave one of them)"},
     {"SoundSpeedAndExpectedSpeed", SPH(LIQUID(R"("sound_speed": 20, "expected_speed": 2,)"), ""),
-     "sph.liquids[0].expected_speed: the speed of sound is given, and expected_speed is for choosing it (leave "
+     "sph.liquids[0].expected_speed: the speed of sound is given, and expected_speed is for choosing it "
+     "(leave "
      "one of them out)"},
     {"PartOfASpacing", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0.21, 0.1]})"),
-     "sph.liquids[0].fill[0].max[1]: the box is 0.21 m wide along y, which is 10.5 times sph.spacing (particles "
+     "sph.liquids[0].fill[0].max[1]: the box is 0.21 m wide along y, which is 10.5 times sph.spacing "
+     "(particles "
      "are cubes of one spacing: give 0.2 or 0.22, or a spacing of 0.021)"},
     {"EmptyBox", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0, 0.1]})"),
      "sph.liquids[0].fill[0].max[1]: 0 m is not above the minimum of 0 m (min < max along each axis)"},
     {"BeyondTheDomain", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 1.2]})"),
-     "sph.liquids[0].fill[0].max[2]: 1.2 m is outside the domain, which ends at 1 m (enlarge sph.domain or move "
+     "sph.liquids[0].fill[0].max[2]: 1.2 m is outside the domain, which ends at 1 m (enlarge sph.domain or "
+     "move "
      "the fill)"},
-    {"Twice",
-     FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.1]},
+    {"Twice", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.1]},
              {"type": "box", "min": [0.1, 0, 0], "max": [0.3, 0.2, 0.1]})"),
-     "sph.liquids[0].fill[1]: the box overlaps sph.liquids[0].fill[0] (the liquid would be there twice: let the "
+     "sph.liquids[0].fill[1]: the box overlaps sph.liquids[0].fill[0] (the liquid would be there twice: let "
+     "the "
      "boxes touch)"},
     {"LongStep", SPH(LIQUID(""), R"("micro_step": 0.5,)"),
-     "sph.micro_step: the micro step of 0.5 s is longer than the window of 0.001 s (a window holds whole steps)"},
+     "sph.micro_step: the micro step of 0.5 s is longer than the window of 0.001 s (a window holds whole "
+     "steps)"},
     {"NoSpeedOfSound",
      "[" SPH_WITH(LIQUID(""), "") R"(, {"op": "add", "path": "/gravity", "value": [0, 0, 0]}])",
      "sph.liquids[0]: no speed of sound follows: there is no gravity, and no speed is expected (give "
@@ -87,11 +91,14 @@ const WrongScene wrong_sph[] = {
     {"PlaneOnABody",
      SPH(LIQUID(""),
          R"("walls": [{"name": "lid", "body": "crate", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],)"),
-     "sph.walls[0].shape: the plane is on a body that moves, and the liquid knows no endless walls there (give a "
+     "sph.walls[0].shape: the plane is on a body that moves, and the liquid knows no endless walls there "
+     "(give a "
      "face of a box: a box with five open faces)"},
     {"MaterialOfAWall",
-     SPH(LIQUID(""), R"("walls": [{"name": "lid", "material": "steel", "shape": {"type": "box", "size": [1, 1, 1]}}],)"),
-     "sph.walls[0]: unknown key 'material' (the keys are name, body, position, orientation, relative_to, shape)"},
+     SPH(LIQUID(""),
+         R"("walls": [{"name": "lid", "material": "steel", "shape": {"type": "box", "size": [1, 1, 1]}}],)"),
+     "sph.walls[0]: unknown key 'material' (the keys are name, body, position, orientation, relative_to, "
+     "shape)"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Sph, WrongSceneTest, testing::ValuesIn(wrong_sph), name_of_case);

@@ -36,9 +36,11 @@ TEST(Needs, AreOnlyWhatTheSchemeUses) {
     EXPECT_EQ(needed_of(protocol::Role::mbd, with(scheme)), std::uint64_t{can_predict});
   for (const Scheme scheme : {Scheme::parallel, Scheme::mbd_first, Scheme::dem_first})
     EXPECT_EQ(needed_of(protocol::Role::dem, with(scheme)), forward);
-  EXPECT_EQ(needed_of(protocol::Role::mbd, with(Scheme::implicit)), std::uint64_t{can_predict | can_rollback});
+  EXPECT_EQ(needed_of(protocol::Role::mbd, with(Scheme::implicit)),
+            std::uint64_t{can_predict | can_rollback});
   EXPECT_EQ(needed_of(protocol::Role::dem, with(Scheme::implicit)), forward | can_rollback);
-  EXPECT_EQ(needed_of(protocol::Role::mbd, with(Scheme::linear_implicit)), std::uint64_t{can_predict | can_rollback});
+  EXPECT_EQ(needed_of(protocol::Role::mbd, with(Scheme::linear_implicit)),
+            std::uint64_t{can_predict | can_rollback});
   EXPECT_EQ(needed_of(protocol::Role::dem, with(Scheme::linear_implicit)), forward | can_linearise)
       << "only the bodies repeat";
 }
@@ -47,14 +49,16 @@ TEST(Needs, AreThoseOfTheOtherSettings) {
   scene::Scene scene = box();
   scene.coupling.load = scene::LoadShape::linear;
   scene.coupling.path = scene::PathShape::quadratic;
-  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_extrapolate}) << "it predicts by extrapolate";
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_extrapolate})
+      << "it predicts by extrapolate";
   scene.coupling.adaptive.emplace();
   EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_extrapolate | can_rollback});
   EXPECT_EQ(needed_of(protocol::Role::dem, scene), forward | can_rollback);
   scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}, "drive"});
   EXPECT_TRUE(needed_of(protocol::Role::mbd, scene) & can_control);
   scene.dem.reset();
-  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_control}) << "bodies alone are controlled, too";
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_control})
+      << "bodies alone are controlled, too";
 }
 
 std::vector<std::string> schemes(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem) {
@@ -64,26 +68,22 @@ std::vector<std::string> schemes(const scene::Scene& scene, std::uint64_t of_mbd
 TEST(Needs, SchemesThatArePossibleFollowFromThePair) {
   EXPECT_THAT(schemes(box(), every_capability, every_capability),
               ElementsAre("parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"));
-  EXPECT_THAT(schemes(box(), can_predict, forward),
-              ElementsAre("parallel", "mbd_first", "dem_first"));
+  EXPECT_THAT(schemes(box(), can_predict, forward), ElementsAre("parallel", "mbd_first", "dem_first"));
   EXPECT_THAT(schemes(box(), 0, forward), ElementsAre("mbd_first"));
   EXPECT_THAT(schemes(box(), every_capability, forward | can_rollback),
               ElementsAre("parallel", "mbd_first", "dem_first", "implicit"));
-  EXPECT_THAT(schemes(box(), every_capability, can_interpolate), IsEmpty())
-      << "no scheme without mean loads";
+  EXPECT_THAT(schemes(box(), every_capability, can_interpolate), IsEmpty()) << "no scheme without mean loads";
 }
 
 TEST(Needs, SchemesThatArePossibleFitTheOtherSettings) {
   scene::Scene scene = box();
   scene.coupling.load = scene::LoadShape::linear;
   scene.coupling.path = scene::PathShape::quadratic;
-  EXPECT_THAT(schemes(scene, every_capability, every_capability),
-              ElementsAre("dem_first", "implicit"));
+  EXPECT_THAT(schemes(scene, every_capability, every_capability), ElementsAre("dem_first", "implicit"));
   EXPECT_THAT(schemes(scene, can_predict | can_rollback, every_capability), IsEmpty());
   scene = with(scene::Scheme::implicit);
   scene.coupling.iteration.emplace();
-  EXPECT_THAT(schemes(scene, can_predict, forward),
-              ElementsAre("parallel", "mbd_first", "dem_first"))
+  EXPECT_THAT(schemes(scene, can_predict, forward), ElementsAre("parallel", "mbd_first", "dem_first"))
       << "`iteration` leaves with `implicit`";
 }
 
@@ -150,9 +150,11 @@ TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
 TEST(Needs, ContactsOfSpheresAreNeededWhereFramesHaveThem) {
   scene::Scene scene = box();
   scene.output.fields = {scene::SphereField::group, scene::SphereField::material};
-  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts, 0u) << "the coordinator knows them itself";
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts, 0u)
+      << "the coordinator knows them itself";
   scene.output.fields.push_back(scene::SphereField::mean_stress);
-  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts, std::uint64_t{can_observe_contacts});
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts,
+            std::uint64_t{can_observe_contacts});
   EXPECT_THAT(refusal(scene, every_capability, every_capability & ~can_observe_contacts),
               HasSubstr("output.fields 'mean_stress' needs the contacts of the spheres in frames, which "
                         "liggghts 3.8 does not offer (leave 'mean_stress' out of output.fields)"));
@@ -164,7 +166,8 @@ TEST(Needs, FieldsOfWallsAndContactsOfBodiesNeedTheirCapabilities) {
   scene.output.wall_fields = {"box"};
   EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_walls, std::uint64_t{can_observe_walls});
   scene.output.contacts = {ground};
-  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts, std::uint64_t{can_observe_contacts});
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts,
+            std::uint64_t{can_observe_contacts});
 }
 
 }  // namespace

@@ -71,7 +71,8 @@ TEST(Summary, ChecksKnowTheNumbersOfTheSolvers) {
     for (std::string key : protocol::numeric_facts(role)) {
       if (role == Role::sph)
         key = "sph." + key;
-      else if (key == "solver_seconds") key = (role == Role::mbd ? "mbd_" : "dem_") + key;
+      else if (key == "solver_seconds")
+        key = (role == Role::mbd ? "mbd_" : "dem_") + key;
       EXPECT_TRUE(std::ranges::count(keys, key) == 1) << key;
     }
 }

@@ -104,13 +104,15 @@ TEST(SphSolver, MomentumAndWorkCloseInEachWindow) {
     scale = std::max({scale, norm(a.gravity_impulse), norm(given)});
     momentum = a.momentum_end;
     work += loads.bodies.at(0).work;
-    expect_near("micro steps times their length [s]", window, static_cast<double>(a.micro_steps) * a.micro_step, 1e-12);
+    expect_near("micro steps times their length [s]", window,
+                static_cast<double>(a.micro_steps) * a.micro_step, 1e-12);
   }
   expect_near("largest open momentum of a window / impulse of gravity", 0, worst / scale, 1e-6);
   // The liquid records the work of the walls by itself.
   const nlohmann::json report = nlohmann::json::parse(run.solver->report().facts);
   const double of_walls = report["work_J"]["walls"];
-  expect_near("work on the basin [J], by the loads and by the liquid", -of_walls, work, 0.05 * std::fabs(of_walls) + 1e-5);
+  expect_near("work on the basin [J], by the loads and by the liquid", -of_walls, work,
+              0.05 * std::fabs(of_walls) + 1e-5);
   expect_near("residual of the energy / energy that moved", 0,
               report["energy_residual_J"].get<double>() / report["energy_scale_J"].get<double>(), 0.01);
   EXPECT_EQ(report["passed_walls"], 0);
@@ -118,8 +120,9 @@ TEST(SphSolver, MomentumAndWorkCloseInEachWindow) {
 
 bool same(const LoadSet& a, const LoadSet& b) {
   return a.bodies.at(0).mean.force == b.bodies.at(0).mean.force &&
-         a.bodies.at(0).mean.torque == b.bodies.at(0).mean.torque && a.bodies.at(0).work == b.bodies.at(0).work &&
-         a.account.momentum_end == b.account.momentum_end && a.account.micro_steps == b.account.micro_steps;
+         a.bodies.at(0).mean.torque == b.bodies.at(0).mean.torque &&
+         a.bodies.at(0).work == b.bodies.at(0).work && a.account.momentum_end == b.account.momentum_end &&
+         a.account.micro_steps == b.account.micro_steps;
 }
 
 TEST(SphSolver, RollbackGivesTheSameBits) {
@@ -193,19 +196,21 @@ TEST(SphSolver, FramesHavePressureAndDensity) {
   expect_near("mean pressure of the lowest layer [Pa]", 1000 * 9.81 * 0.07, lowest / count, 40);
   run.advance(true);
   const protocol::ParticlesFrame& kept = run.solver->read_snapshot();
-  EXPECT_TRUE(kept.position == frame.position && kept.velocity == frame.velocity && kept.liquid == frame.liquid &&
-              kept.time == frame.time);
+  EXPECT_TRUE(kept.position == frame.position && kept.velocity == frame.velocity &&
+              kept.liquid == frame.liquid && kept.time == frame.time);
 }
 
 TEST(SphSolver, RefusesWallsInsideTheLiquid) {
   nlohmann::json scene = basin();
-  scene["sph"]["walls"].push_back(
-      {{"name", "plate"}, {"position", {0.01, 0, 0.05}}, {"shape", {{"type", "box"}, {"size", {0.02, 0.02, 0.02}}}}});
+  scene["sph"]["walls"].push_back({{"name", "plate"},
+                                   {"position", {0.01, 0, 0.05}},
+                                   {"shape", {{"type", "box"}, {"size", {0.02, 0.02, 0.02}}}}});
   try {
     BasinRun run(scene);
     FAIL() << "a wall stands in a particle";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("sph.liquids[0].fill[0]: a particle starts at"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("sph.liquids[0].fill[0]: a particle starts at"),
+              std::string::npos)
         << error.what();
     EXPECT_NE(std::string(error.what()).find("nearer than 0.006 m to a wall of 'ground'"), std::string::npos)
         << error.what();
