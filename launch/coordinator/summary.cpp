@@ -43,6 +43,16 @@ bool is_own(std::string_view key) {
   return std::ranges::find(own_keys, key, &OwnKey::key) != own_keys.end();
 }
 
+// What the coordinator itself writes into the object "sph", beside the facts of the solver.
+constexpr std::array<std::string_view, 4> keys_of_liquid{"micro_steps", "largest_micro_step_s",
+                                                         "momentum_balance", "momentum_balance_windows"};
+
+// Whether only the coordinator writes this key where the facts of the solver are.
+bool is_reserved(protocol::Role role, std::string_view key) {
+  return role == protocol::Role::sph ? std::ranges::find(keys_of_liquid, key) != keys_of_liquid.end()
+                                     : is_own(key);
+}
+
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
@@ -141,7 +151,7 @@ std::string Summary::not_reported(protocol::Role role) const {
 void Summary::add_facts(protocol::Role role, const std::string& facts) {
   const Json sent = protocol::decode_facts(role, facts, facts_);
   for (const auto& item : sent.items())
-    if (is_own(item.key()))
+    if (is_reserved(role, item.key()))
       throw Error(ErrorCode::protocol,
                   "sent the fact '" + item.key() + "', which only the coordinator writes",
                   protocol::name(role), "send it under another name");
@@ -273,10 +283,13 @@ void Summary::set_time_split(const TimeSplit& split) {
 void Summary::set_liquid(const ParticleBalance& balance) {
   if (balance.micro_steps() == 0) return;
   Json& block = own("sph");
-  block["micro_steps"] = balance.micro_steps();
-  block["largest_micro_step_s"] = balance.largest_micro_step();
-  block["momentum_balance"] = balance.momentum();
-  block["momentum_balance_windows"] = balance.momentum_windows();
+  const auto set = [&block](std::size_t key, const Json& value) {
+    block[std::string(keys_of_liquid[key])] = value;
+  };
+  set(0, balance.micro_steps());
+  set(1, balance.largest_micro_step());
+  set(2, balance.momentum());
+  set(3, balance.momentum_windows());
 }
 
 void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split) {
