@@ -78,15 +78,16 @@ std::string stiffness_fault(const std::string& text) {
 }
 
 // Options that replace the servers of a run.
-void add_servers(CLI::App& verb, std::optional<std::string>& mbd, std::optional<std::string>& dem,
-                 bool& allow) {
+template <class Options>
+void add_servers(CLI::App& verb, Options& options) {
   verb.add_option(
-      "--mbd-server", mbd,
+      "--mbd-server", options.mbd_server,
       "Command of a multibody solver that replaces mbd_server (docs/swap.md), with its arguments");
-  verb.add_option("--dem-server", dem, "The same for the particle solver, dem_server");
-  verb.add_flag("--allow-scene-servers", allow,
-                "Start the programs that the scene names as mbd.server and dem.server: only for scenes that "
-                "you trust");
+  verb.add_option("--dem-server", options.dem_server, "The same for the particle solver, dem_server");
+  verb.add_option("--sph-server", options.sph_server, "The same for the solver of a liquid, sph_server");
+  verb.add_flag("--allow-scene-servers", options.allow_scene_servers,
+                "Start the programs that the scene names as mbd.server, dem.server and sph.server: only for "
+                "scenes that you trust");
 }
 
 void add_run(CLI::App& app, int& status) {
@@ -147,7 +148,7 @@ void add_run(CLI::App& app, int& status) {
       "--lease", *lease,
       "A program of the run that gives no sign of life for so long is lost [s]; 5 over shared memory, "
       "0.4 over dds. Longer ones let a run survive programs that are suspended");
-  add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
+  add_servers(*verb, *options);
   verb->add_option(
       "--controller", options->controller,
       "Command of a program that reads sensors and gives control inputs, a JSON line each per window");
@@ -217,7 +218,7 @@ std::shared_ptr<Start> add_start(CLI::App& verb) {
       "--files-only", start->files_only,
       "Look at the files only; without it the solvers are started as for a run, and leave before the first "
       "window");
-  add_servers(verb, start->options.mbd_server, start->options.dem_server, start->options.allow_scene_servers);
+  add_servers(verb, start->options);
   verb.add_option("--backend", start->options.backend, "Where particles would be computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
@@ -321,7 +322,7 @@ void add_study(CLI::App& app, int& status) {
   verb->add_option("--out", options->folder,
                    "Folder of the results; a second call continues where the first stopped")
       ->required();
-  add_servers(*verb, options->mbd_server, options->dem_server, options->allow_scene_servers);
+  add_servers(*verb, *options);
   verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -412,6 +413,12 @@ void add_keys(CLI::App& app) {
   });
 }
 
+std::map<std::string, protocol::Role> all_roles() {
+  std::map<std::string, protocol::Role> roles;
+  for (const protocol::Role role : protocol::all_roles) roles[protocol::word_of(role)] = role;
+  return roles;
+}
+
 void add_conform(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand(
       "conform", "Try whether a participant does what it claims, and name what it does otherwise");
@@ -419,13 +426,12 @@ void add_conform(CLI::App& app, int& status) {
   auto patience = std::make_shared<double>(10), answer = std::make_shared<double>(1);  // [s]
   auto list = std::make_shared<bool>(false);
   auto long_run = std::make_shared<double>(0);  // [s]
-  const std::map<std::string, protocol::Role> roles{{"mbd", protocol::Role::mbd},
-                                                    {"dem", protocol::Role::dem}};
+  const std::map<std::string, protocol::Role> roles = all_roles();
   const std::map<std::string, conform::Transport> transports{{"shm", conform::Transport::shm},
                                                              {"stream", conform::Transport::stream}};
   CLI::Option* command =
       verb->add_option("command", options->command,
-                       "Program with its arguments, in one word; mbd_server and dem_server are "
+                       "Program with its arguments, in one word; mbd_server, dem_server and sph_server are "
                        "those of this build");
   verb->add_option("--role", options->role, "Side that it takes")->required()->transform(one_of(roles));
   verb->add_option("--transport", options->transport, "How it is reached")
@@ -468,12 +474,11 @@ void add_replay(CLI::App& app, int& status) {
   auto options = std::make_shared<ReplayOptions>();
   auto list = std::make_shared<bool>(false);
   auto patience = std::make_shared<double>(60);  // [s]
-  const std::map<std::string, protocol::Role> roles{{"mbd", protocol::Role::mbd},
-                                                    {"dem", protocol::Role::dem}};
+  const std::map<std::string, protocol::Role> roles = all_roles();
   verb->add_option("recording", options->recording,
                    "File of tandem run --record, or last_windows.rec of a failed run")
       ->required();
-  CLI::Option* role = verb->add_option("--role", options->role, "Whose answers are compared: mbd or dem")
+  CLI::Option* role = verb->add_option("--role", options->role, "Whose answers are compared: mbd, dem or sph")
                           ->transform(one_of(roles));
   verb->add_option("--server", options->server,
                    "Command of the server that is compared, with its arguments; without it the solver of "
@@ -490,7 +495,7 @@ void add_replay(CLI::App& app, int& status) {
   verb->callback([=, &status] {
     if (*list) return list_recording(options->recording);
     if (role->empty())
-      throw Error(ErrorCode::usage, "needs --role mbd, --role dem or --list", "tandem replay",
+      throw Error(ErrorCode::usage, "needs --role mbd, --role dem, --role sph or --list", "tandem replay",
                   "--role names the solver whose answers are compared");
     options->patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     status = replay(*options);

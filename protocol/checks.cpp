@@ -329,6 +329,7 @@ void check_values(const ParticlesFrame& value) {
   expect_size("spin", value.spin.size(), 3);
   expect_size("radius", value.radius.size(), 1);
   if (!value.contacts.empty()) expect_size("contacts", value.contacts.size(), ParticlesFrame::contact_values);
+  if (!value.liquid.empty()) expect_size("liquid", value.liquid.size(), ParticlesFrame::liquid_values);
   expect_ascending(
       value.id, [](std::uint32_t id) { return id; }, "id");
   expect_finite(value.position, 3, value, "position");
@@ -336,6 +337,7 @@ void check_values(const ParticlesFrame& value) {
   expect_finite(value.spin, 3, value, "spin");
   expect_finite(value.radius, 1, value, "radius");
   expect_finite(value.contacts, ParticlesFrame::contact_values, value, "contacts");
+  expect_finite(value.liquid, ParticlesFrame::liquid_values, value, "liquid");
   if (value.walls.size() % ParticlesFrame::wall_values != 0)
     throw ProtocolError(Violation::bad_index,
                         "walls holds " + std::to_string(value.walls.size()) + " numbers, expected " +

@@ -228,7 +228,7 @@ void visit(auto& io, Either<ParticlesFrame> auto& v) {
   io.array(v.velocity);
   io.array(v.spin);
   io.array(v.radius);
-  io.rest(v.contacts, v.walls, v.of_bodies);
+  io.rest(v.contacts, v.walls, v.of_bodies, v.liquid);
 }
 
 void visit(auto& io, Either<Report> auto& v) {

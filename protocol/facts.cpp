@@ -26,24 +26,41 @@ struct Line {
   const char* meaning;
 };
 
-// Calls visit(line, member) for every fact; `facts` is MbdFacts or DemFacts, or const.
+// Calls visit(line, member) for every fact; `facts` is MbdFacts, DemFacts or SphFacts, or const.
 template <class Facts, class Visit>
 void each_fact(Facts& facts, Visit visit) {
-  if constexpr (std::is_same_v<std::remove_const_t<Facts>, MbdFacts>) {
-#define MBD_FACT(type, member, key, unit, need, range, user, meaning) \
-  visit(Line{key, unit, Need::need, Range::range, user, meaning}, facts.member);
-#define DEM_FACT(...)
+  const auto see = [&](const Line& line, auto& member) { visit(line, member); };
+  using Plain = std::remove_const_t<Facts>;
+#define FACT(type, member, key, unit, need, range, user, meaning) \
+  see(Line{key, unit, Need::need, Range::range, user, meaning}, facts.member);
+#define NO_FACT(...)
+  if constexpr (std::is_same_v<Plain, MbdFacts>) {
+#define MBD_FACT FACT
+#define DEM_FACT NO_FACT
+#define SPH_FACT NO_FACT
 #include "protocol/facts.def"
 #undef MBD_FACT
 #undef DEM_FACT
+#undef SPH_FACT
+  } else if constexpr (std::is_same_v<Plain, DemFacts>) {
+#define MBD_FACT NO_FACT
+#define DEM_FACT FACT
+#define SPH_FACT NO_FACT
+#include "protocol/facts.def"
+#undef MBD_FACT
+#undef DEM_FACT
+#undef SPH_FACT
   } else {
-#define MBD_FACT(...)
-#define DEM_FACT(type, member, key, unit, need, range, user, meaning) \
-  visit(Line{key, unit, Need::need, Range::range, user, meaning}, facts.member);
+#define MBD_FACT NO_FACT
+#define DEM_FACT NO_FACT
+#define SPH_FACT FACT
 #include "protocol/facts.def"
 #undef MBD_FACT
 #undef DEM_FACT
+#undef SPH_FACT
   }
+#undef FACT
+#undef NO_FACT
 }
 
 template <class Type>
@@ -174,6 +191,8 @@ void expect_possible(const DemFacts& facts) {
   expect_part(Role::dem, facts.went_out, "went_out", facts.spheres, "spheres");
 }
 
+void expect_possible(const SphFacts&) {}
+
 template <class Facts>
 void decode(Role role, const Json& sent, Facts& facts) {
   each_fact(facts, [&]<class Type>(const Line& line, std::optional<Type>& member) {
@@ -291,24 +310,42 @@ std::string encode_facts(const DemFacts& facts, const Json& others) {
   return encode(Role::dem, facts, others);
 }
 
+std::string encode_facts(const SphFacts& facts, const Json& others) {
+  return encode(Role::sph, facts, others);
+}
+
 Json decode_facts(Role role, const std::string& text, SolverFacts& facts) {
   if (text.empty()) return Json::object();
   Json sent = parse(role, text);
-  if (role == Role::mbd)
-    decode(role, sent, facts.mbd);
-  else
-    decode(role, sent, facts.dem);
+  switch (role) {
+    case Role::mbd:
+      decode(role, sent, facts.mbd);
+      break;
+    case Role::dem:
+      decode(role, sent, facts.dem);
+      break;
+    case Role::sph:
+      decode(role, sent, facts.sph);
+  }
   return sent;
 }
 
 std::vector<std::string> numeric_facts(Role role) {
-  return role == Role::mbd ? numbers<MbdFacts>() : numbers<DemFacts>();
+  switch (role) {
+    case Role::mbd:
+      return numbers<MbdFacts>();
+    case Role::dem:
+      return numbers<DemFacts>();
+    case Role::sph:
+      break;
+  }
+  return numbers<SphFacts>();
 }
 
 std::string facts_as_markdown() {
   return "| participant | key | type | unit | meaning | who acts upon it "
          "|\n|---|---|---|---|---|---|\n" +
-         rows<MbdFacts>("mbd") + rows<DemFacts>("dem");
+         rows<MbdFacts>("mbd") + rows<DemFacts>("dem") + rows<SphFacts>("sph");
 }
 
 }  // namespace tandem::protocol

@@ -27,26 +27,41 @@ struct Estimate {
 struct MbdFacts {
 #define MBD_FACT(type, member, ...) std::optional<fact::type> member;
 #define DEM_FACT(...)
+#define SPH_FACT(...)
 #include "protocol/facts.def"
 #undef MBD_FACT
 #undef DEM_FACT
+#undef SPH_FACT
 };
 struct DemFacts {
 #define MBD_FACT(...)
 #define DEM_FACT(type, member, ...) std::optional<fact::type> member;
+#define SPH_FACT(...)
 #include "protocol/facts.def"
 #undef MBD_FACT
 #undef DEM_FACT
+#undef SPH_FACT
+};
+struct SphFacts {
+#define MBD_FACT(...)
+#define DEM_FACT(...)
+#define SPH_FACT(type, member, ...) std::optional<fact::type> member;
+#include "protocol/facts.def"
+#undef MBD_FACT
+#undef DEM_FACT
+#undef SPH_FACT
 };
 struct SolverFacts {
   MbdFacts mbd;
   DemFacts dem;
+  SphFacts sph;
 };
 
 // The text of a message, with `others`: facts that nobody acts upon. Throws ProtocolError{not_finite} where
 // a number is not finite, and Error{internal} where `others` has a key of facts.def.
 std::string encode_facts(const MbdFacts& facts, const nlohmann::ordered_json& others);
 std::string encode_facts(const DemFacts& facts, const nlohmann::ordered_json& others);
+std::string encode_facts(const SphFacts& facts, const nlohmann::ordered_json& others);
 
 // Limits of the facts of a solver in one message, with the elements of its lists and objects [bytes], [-].
 inline constexpr std::size_t largest_facts = std::size_t{4} << 20, most_facts = 20'000;

@@ -19,6 +19,20 @@ const char* name(Role role) {
       return "mbd_server";
     case Role::dem:
       return "dem_server";
+    case Role::sph:
+      return "sph_server";
+  }
+  return "unknown role";
+}
+
+const char* word_of(Role role) {
+  switch (role) {
+    case Role::mbd:
+      return "mbd";
+    case Role::dem:
+      return "dem";
+    case Role::sph:
+      return "sph";
   }
   return "unknown role";
 }

@@ -25,12 +25,18 @@ enum class Kind : std::uint16_t {
 };
 const char* name(Kind kind);
 
-enum class Role : std::uint32_t { mbd = 1, dem = 2 };
-const char* name(Role role);  // "mbd_server", "dem_server"
+// `dem` and `sph` are load solvers: motion in, loads out. Their sessions have the same messages; a run may
+// have one of each.
+enum class Role : std::uint32_t { mbd = 1, dem = 2, sph = 3 };
+inline constexpr std::array all_roles{Role::mbd, Role::dem, Role::sph};
+const char* name(Role role);  // "mbd_server", "dem_server", "sph_server"
+const char* word_of(
+    Role role);  // "mbd", "dem", "sph": the part of the scene, and the word of the command line
 
 // ---- registration
 
-// Capability bits. A coordinator refuses a participant without a bit that the run needs.
+// Capability bits. A coordinator refuses a participant without a bit that the run needs. Those of `dem` are
+// of all load solvers.
 enum Capability : std::uint64_t {
   can_predict = 1u << 0,      // mbd: answers predict
   can_rollback = 1u << 1,     // answers save and restore
@@ -45,6 +51,7 @@ enum Capability : std::uint64_t {
   can_observe_contacts = 1u << 10,  // dem: its particles frames have the contacts of spheres; since 1.4
   can_observe_walls = 1u << 11,     // dem: its particles frames have the fields of walls; since 1.4
   can_snapshot = 1u << 12,          // dem: keeps a particles frame for later; since 1.4
+  can_observe_liquid = 1u << 13,    // sph: its particles frames have pressure and density; since 1.4
 };
 
 struct Hello {
@@ -70,7 +77,7 @@ struct Configuration {
   std::string origin;             // its path, for messages
   std::vector<NamedMesh> meshes;  // of the walls with a mesh file, and of shapes of contact ("BODY/SHAPE")
   std::vector<NamedText> files;   // of the particle groups with a file
-  std::string backend;            // dem: "auto", "cpu", "cuda"
+  std::string backend;            // of load solvers: "auto", "cpu", "cuda"
   std::uint32_t threads = 0;      // 0: the participant chooses
 };
 
@@ -139,8 +146,8 @@ struct ControlSet {
   std::vector<double> values;  // in the order of scene::control_inputs() [N m] or [N]
 };
 
-// Answer to configure. `boundary` has the initial state of the bodies with walls (mbd), and is empty for dem.
-// `sensors` are those of LoadSet at the start (dem).
+// Answer to configure. `boundary` has the initial state of the bodies with walls (mbd), and is empty for load
+// solvers. `sensors` are those of LoadSet at the start (dem).
 struct Configured {
   std::vector<BodyMotion> boundary;  // begin == end == state at t = 0, accelerations consistent
   std::string facts;                 // JSON object for summary.json, see facts.hpp
@@ -205,6 +212,10 @@ struct ParticlesFrame {  // in order of particle id, lost particles left out
   // without can_observe_contacts and where the scene does not ask for them.
   std::vector<double> of_bodies = {};
   static constexpr std::size_t of_bodies_values = 8;
+  // Pressure [Pa] and density [kg/m3] of each particle of a liquid (n x 2). Empty, and then not on the wire,
+  // without can_observe_liquid.
+  std::vector<float> liquid = {};
+  static constexpr std::size_t liquid_values = 2;
 };
 
 struct Report {

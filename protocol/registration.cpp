@@ -39,6 +39,7 @@ std::string capability_names(std::uint64_t capabilities) {
   add(can_observe_contacts, "can_observe_contacts");
   add(can_observe_walls, "can_observe_walls");
   add(can_snapshot, "can_snapshot");
+  add(can_observe_liquid, "can_observe_liquid");
   if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
   return list.empty() ? "none" : list;
 }
@@ -56,8 +57,8 @@ Version admit(const Hello& hello, Version version, Role role, std::uint64_t need
   if (hello.role != role)
     refuse(Violation::wrong_role,
            "role is " + std::string(name(hello.role)) + ", the run needs " + name(role) + " here",
-           std::string("give it to ") + (hello.role == Role::mbd ? "--mbd-server" : "--dem-server") +
-               ", or attach the other server to this channel");
+           std::string("give it to --") + word_of(hello.role) +
+               "-server, or attach the other server to this channel");
   const auto dialect = std::ranges::find(spoken, version, &Dialect::version);
   if (dialect == spoken.end())
     refuse(Violation::wrong_version,

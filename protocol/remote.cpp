@@ -292,6 +292,9 @@ void Remote::fail(const Error& error) noexcept {
 void Remote::set_idle(std::function<void()> idle) {
   state_->idle = std::move(idle);
 }
+Role Remote::role() const {
+  return state_->link.session().role();
+}
 bool Remote::can(Capability capability) const {
   return (state_->capabilities & capability) != 0;
 }

@@ -45,6 +45,7 @@ class Remote {
   Hello register_peer(std::uint64_t needed_capabilities, std::chrono::milliseconds patience);
   Configured configure(const Configuration& configuration);
 
+  Role role() const;  // of the participant
   // Whether the peer has registered this capability.
   bool can(Capability capability) const;
   // The peer with its version, as it named itself at registration; empty before.
@@ -57,7 +58,7 @@ class Remote {
   const MotionSet& finish_motion();
   void control(const ControlSet& inputs);
   const BodiesFrame& observe_bodies(Nanoseconds now);
-  // dem
+  // load solvers
   void start_advance(const MotionSet& motion);
   const LoadSet& finish_load();
   const ParticlesFrame& observe_particles(Nanoseconds now);

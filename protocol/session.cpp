@@ -7,7 +7,7 @@
 namespace tandem::protocol {
 namespace {
 
-enum class For : std::uint8_t { any, mbd, dem };
+enum class For : std::uint8_t { any, mbd, dem };  // dem: all load solvers
 
 struct Transition {
   For role;

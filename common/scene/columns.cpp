@@ -28,9 +28,9 @@ std::vector<std::string> body_columns(const Scene& scene) {
       add(columns, body.name + ".orientation", "wxyz");
       add(columns, body.name + ".velocity", "xyz");
       add(columns, body.name + ".angular_velocity", "xyz");
-      if (scene.dem) add_contact(columns, body.name);
+      if (scene.has_particles()) add_contact(columns, body.name);
     }
-  if (scene.dem) add_contact(columns, scene.body_name(ground));
+  if (scene.has_particles()) add_contact(columns, scene.body_name(ground));
   return columns;
 }
 

@@ -1,5 +1,6 @@
 #include "common/scene/model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tandem::scene {
@@ -7,6 +8,25 @@ namespace tandem::scene {
 const std::string& Scene::body_name(BodyId id) const {
   static const std::string inertial = "ground";
   return id == ground ? inertial : mbd->bodies.at(id.value).name;
+}
+
+std::vector<Wall> Scene::walls() const {
+  std::vector<Wall> all = dem ? dem->walls : std::vector<Wall>{};
+  if (!sph) return all;
+  for (const Wall& wall : sph->walls)
+    if (!dem || std::ranges::find(dem->walls, wall.name, &Wall::name) == dem->walls.end())
+      all.push_back(wall);
+  return all;
+}
+
+Box Scene::domain() const {
+  Box all = dem ? dem->domain : sph.value().domain;
+  if (!sph) return all;
+  for (int a = 0; a < 3; ++a) {
+    all.min[a] = std::min(all.min[a], sph->domain.min[a]);
+    all.max[a] = std::max(all.max[a], sph->domain.max[a]);
+  }
+  return all;
 }
 
 bool contact_is_computed(const Geometry& a, const Geometry& b) {

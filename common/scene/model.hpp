@@ -17,6 +17,9 @@
 
 #include "common/ids.hpp"
 #include "common/math/rotation.hpp"
+#include "common/scene/model_motion.hpp"
+#include "common/scene/model_shapes.hpp"
+#include "common/scene/model_sph.hpp"
 
 namespace tandem::scene {
 
@@ -97,33 +100,6 @@ struct Body {
   // there (common/scene/shape_mass.hpp). Until then `pose` is that of the frame in which the shapes are.
   bool from_shapes = false;
 };
-
-// Functions of time, for a prescribed joint coordinate or for the size of a force
-// (common/scene/motion_function.hpp). For a prescribed coordinate a ramp or a table gives its value, or its
-// rate; then the coordinate is offset + the integral of the rate from t = 0.
-enum class MotionOf { position, speed };
-// How a table is interpolated; a linear or stepped motion is smoothed over a time.
-enum class Interpolation { monotone, linear, step, spline };
-
-struct ConstantMotion {
-  double value = 0, rate = 0;
-};                   // q = value + rate t
-struct RampMotion {  // quintic, held outside
-  double from = 0, to = 0, start = 0, duration = 0;
-  MotionOf of = MotionOf::position;
-  double offset = 0;  // for a motion of speed: value at t = 0
-};
-struct HarmonicMotion {
-  double offset = 0, amplitude = 0, frequency = 0, phase = 0;
-};                    // offset + A sin(2 pi f t + phase)
-struct TableMotion {  // held outside
-  std::vector<double> times, values;
-  Interpolation interpolation = Interpolation::monotone;  // the parser's default in format 1.0: spline
-  double smoothing = 0;                                   // linear and stepped motions only [s]
-  MotionOf of = MotionOf::position;
-  double offset = 0;  // for a motion of speed: value at t = 0
-};
-using Motion = std::variant<ConstantMotion, RampMotion, HarmonicMotion, TableMotion>;
 
 enum class JointType {
   fixed,
@@ -447,10 +423,6 @@ struct RunFill {
   std::optional<double> time;  // of the frame [s]; absent: of the last one
 };
 
-struct Box {
-  Vec3d min, max;
-};
-
 // Regions of a packing.
 struct InsideWall {
   std::string wall;  // name
@@ -506,77 +478,6 @@ struct ParticleGroup {
   std::variant<LatticeFill, FileFill, InletFill, PackingFill, RunFill> fill;
 };
 
-struct PlaneShape {
-  Vec3d point, normal;
-};  // solid on the side opposite to the normal
-struct BoxShape {
-  Vec3d size;
-  std::vector<std::string> open;
-};  // faces left out
-// The surface about the z axis, centred; without a height endless and without ends; with segments an
-// inscribed prism.
-struct CylinderShape {
-  double radius = 0;             // [m]
-  std::optional<double> height;  // [m]
-  std::optional<int> segments;
-  std::vector<std::string> open;  // ends left out
-};
-struct SphereShape {
-  double radius = 0;
-};  // the surface about the origin [m]
-struct MeshShape {
-  std::string file;
-  double scale = 1;
-};  // STL or OBJ, relative to the scene's folder
-
-// Velocity of a surface along itself, such as that of a conveyor belt: the wall stays where it is. At a
-// contact it is the part across the contact's normal.
-struct SurfaceVelocity {
-  Vec3d direction;  // in the body's frame, unit
-  Motion speed;     // [m/s]
-};
-
-// About the z axis, centred; with segments an inscribed polyhedron.
-struct CapsuleShape {
-  double radius = 0, height = 0;  // the height is that of the cylinder [m]
-  std::optional<int> segments;
-};
-struct ConeShape {
-  double radius = 0, top_radius = 0, height = 0;  // at the lower end, at the upper end [m]
-  std::optional<int> segments;
-};
-// Of `points`, or of the corners in a file.
-struct HullShape {
-  std::vector<Vec3d> points;
-  std::string file;
-  double scale = 1;
-};
-// z over a rectangle about the origin; rows along y, in each row the heights along x.
-struct HeightFieldShape {
-  double size_x = 0, size_y = 0;             // [m]
-  std::vector<std::vector<double>> heights;  // [m]
-  std::optional<double> base;                // underside of a solid [m]; absent: a surface
-};
-using Geometry = std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape, CapsuleShape,
-                              ConeShape, HullShape, HeightFieldShape>;
-
-enum class ShapeUse { wall, graphics, contact };
-
-// A surface or a solid on a body. Every wall of dem.walls is one, with use `wall`.
-struct Shape {
-  std::string name;
-  ShapeUse use = ShapeUse::wall;
-  BodyId body = ground;
-  std::optional<MaterialId> material;  // given for walls
-  int contact_material = -1;           // for use `contact`: index in BodyContact::materials
-  std::optional<double> density;       // [kg/m3]; absent: that of the material
-  Pose pose;                           // of the shape's frame in the body's frame (ground: in the world)
-  Geometry geometry;
-  std::optional<SurfaceVelocity> surface_velocity;  // of a wall of dem.walls; absent: it moves with its body
-  std::string path;                                 // in the file, for messages
-  bool is_of_body = false;  // one of the body's `shapes`, which a mass from shapes counts; else of dem.walls
-};
-
 // ---- contact between bodies
 
 // Of a surface that bodies touch with. It has a stiffness, for all shapes, or Young's modulus and Poisson's
@@ -626,18 +527,6 @@ bool contact_is_computed(const Geometry& a, const Geometry& b);
 // Values of a pair of materials: the given ones; else a geometric mean of restitution and friction, and a
 // harmonic mean of the stiffness, where both materials have one.
 ContactMaterialPair combined(const BodyContact& contact, int a, int b);
-
-// What the particles know of a shape: its surface. Shapes that the particle solver has no surface for are
-// walls as meshes.
-struct Wall {
-  std::string name;
-  BodyId body = ground;  // the body it belongs to
-  MaterialId material;
-  Pose pose;  // of the shape's frame in the body's frame (ground: in the world)
-  std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
-  std::string path{};  // in the file, for messages; empty: its place in dem.walls
-  std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
-};
 
 struct HalfSpace {
   Vec3d point, normal;
@@ -747,11 +636,21 @@ struct Scene {
   Coupling coupling;
   std::optional<Mbd> mbd;
   std::optional<Dem> dem;
-  std::vector<Shape> shapes;  // those of dem.walls, then those of the bodies; dem.walls follows from them
+  std::optional<Sph> sph;
+  // Those of dem.walls, then those of sph.walls, then those of the bodies; the walls of both follow from
+  // them.
+  std::vector<Shape> shapes;
   std::optional<BodyContact> contact;  // of mbd.contact; absent: bodies do not touch each other
   bool is_plain = true;                // the text is the one for the solvers (common/scene/plain_text.hpp)
   Output output;
   std::vector<Check> checks;
+
+  // Whether particles exert loads on bodies: a solver of grains, of a liquid, or both.
+  bool has_particles() const { return dem || sph; }
+  // The walls of all particle solvers; one that is of several of them, by its name, is there once.
+  std::vector<Wall> walls() const;
+  // The smallest box that contains the domains of all particle solvers; there is one.
+  Box domain() const;
 
   // Name of a body, "ground" for the inertial frame.
   const std::string& body_name(BodyId id) const;

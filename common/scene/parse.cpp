@@ -124,6 +124,7 @@ Scene parse(const std::string& text, const std::string& origin) {
     const auto bodies = scene.mbd ? root.at("mbd").names("bodies") : Names{};
     scene.dem = parse_dem(root.at("dem"), bodies);
   }
+  if (root.has("sph")) scene.sph = parse_sph(root.at("sph"));
   parse_shapes(root, scene);
   scene.is_plain =
       was_plain && std::none_of(scene.shapes.begin(), scene.shapes.end(), [&](const Shape& shape) {

@@ -1,4 +1,4 @@
-// The two large parts of parse().
+// The large parts of parse().
 #pragma once
 
 #include "common/scene/model.hpp"
@@ -12,14 +12,17 @@ Mbd parse_mbd(const Node& node, const std::string& format);
 // Without the walls. `bodies`: names of the bodies that the domain and sensors can follow.
 Dem parse_dem(const Node& node, const Names& bodies);
 
+// Without the walls.
+Sph parse_sph(const Node& node);
+
 // A group of dem.particles.
 ParticleGroup parse_group(const Node& node, const Names& materials);
 
 // A function of time.
 Motion parse_motion(const Node& node, const std::string& format);
 
-// Reads dem.walls and the shapes of the bodies into a scene whose `mbd` and `dem` are known, and makes the
-// walls of the particles from them.
+// Reads dem.walls, sph.walls and the shapes of the bodies into a scene whose `mbd`, `dem` and `sph` are
+// known, and makes the walls of both kinds of particles from them.
 void parse_shapes(const Node& root, Scene& scene);
 
 // The outputs of mbd.contact.

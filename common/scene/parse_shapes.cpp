@@ -202,14 +202,15 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
   return contact;
 }
 
-Shape parse_body_shape(const Node& node, BodyId body, const Body& owner, bool particles,
-                       const Names& materials, const Names* surfaces) {
+Shape parse_body_shape(const Node& node, BodyId body, const Scene& scene, const Names& materials,
+                       const Names* surfaces) {
   const auto use = node.value().at("use").get<std::string>();
-  if (!particles && use == "wall")
-    node.fail("use", "there are no particles to be a wall for", "give graphics, or add dem");
-  if (!particles && use != "contact" && node.has("material"))
+  const Body& owner = scene.mbd->bodies[body.value];
+  if (!scene.has_particles() && use == "wall")
+    node.fail("use", "there are no particles to be a wall for", "give graphics, or add dem or sph");
+  if (!scene.dem && use != "contact" && node.has("material"))
     node.fail("material", "materials are those of dem, which the scene does not have", "give the density");
-  if (use == "wall" && !node.has("material"))
+  if (use == "wall" && scene.dem && !node.has("material"))
     node.fail("the key 'material' is missing", "add material: a wall is in contact with particles");
   if (use == "contact" && !surfaces)
     node.fail("use", "the scene has no mbd.contact, which gives the materials of contacts",
@@ -234,6 +235,23 @@ void require_surface(const Node& node, const Shape& shape) {
                           "add segments: flat faces, inscribed, whose corners are at the radius");
 }
 
+// A wall of the liquid with the name of a wall of the grains is the same surface: meshes and pictures have it
+// once.
+void expect_same_wall(const Node& root, const Node& of_liquid) {
+  for (const Node& of_grains : root.at("dem").elements("walls")) {
+    if (of_grains.value().at("name") != of_liquid.value().at("name")) continue;
+    for (const char* key : {"body", "position", "orientation", "shape"}) {
+      const nlohmann::json none, &a = of_grains.has(key) ? of_grains.value().at(key) : none,
+                                 &b = of_liquid.has(key) ? of_liquid.value().at(key) : none;
+      if (a != b)
+        of_liquid.fail("name",
+                       "the name '" + of_liquid.value().at("name").get<std::string>() + "' is that of " +
+                           of_grains.path() + ", which has another " + key,
+                       "choose another name, or write the same surface");
+    }
+  }
+}
+
 }  // namespace
 
 void parse_shapes(const Node& root, Scene& scene) {
@@ -246,7 +264,8 @@ void parse_shapes(const Node& root, Scene& scene) {
   const auto add = [&](const Node& node, Shape shape) {
     if (shape.use == ShapeUse::wall) {
       require_surface(node, shape);
-      scene.dem->walls.push_back(wall_of(shape));
+      if (scene.dem && shape.for_grains) scene.dem->walls.push_back(wall_of(shape));
+      if (scene.sph && shape.for_liquid) scene.sph->walls.push_back(wall_of(shape));
     }
     scene.shapes.push_back(std::move(shape));
   };
@@ -255,7 +274,18 @@ void parse_shapes(const Node& root, Scene& scene) {
     for (const Node& node : root.at("dem").elements("walls")) {
       Shape shape = parse_common(node, materials);
       shape.body = read_body(node, "body", bodies);
+      shape.for_liquid = false;
       if (node.has("surface_velocity")) shape.surface_velocity = parse_surface_velocity(node, scene.format);
+      add(node, std::move(shape));
+    }
+  }
+  if (scene.sph) {
+    root.at("sph").names("walls");
+    for (const Node& node : root.at("sph").elements("walls")) {
+      Shape shape = parse_placed(node);
+      shape.body = read_body(node, "body", bodies);
+      shape.for_grains = false;
+      if (!walls.add(shape.name)) expect_same_wall(root, node);
       add(node, std::move(shape));
     }
   }
@@ -270,8 +300,7 @@ void parse_shapes(const Node& root, Scene& scene) {
     if (!nodes[i].has("shapes")) continue;
     nodes[i].names("shapes");
     for (const Node& node : nodes[i].elements("shapes")) {
-      Shape shape = parse_body_shape(node, {i}, scene.mbd->bodies[i], scene.dem.has_value(), materials,
-                                     surfaces ? &*surfaces : nullptr);
+      Shape shape = parse_body_shape(node, {i}, scene, materials, surfaces ? &*surfaces : nullptr);
       if (shape.use == ShapeUse::wall && !walls.add(shape.name))
         node.fail("name", "the name '" + shape.name + "' is that of another wall", "choose another name");
       add(node, std::move(shape));

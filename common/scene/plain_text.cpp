@@ -20,11 +20,12 @@ json numbers(Quat q) {
   return json::array({q.w, q.x, q.y, q.z});
 }
 
-// The entry of dem.walls for a shape that stands in the file as `source`.
-json wall_entry(const Shape& shape, const json& source, const Scene& scene, bool moved) {
+// The entry of dem.walls, or of sph.walls, for a shape that stands in the file as `source`.
+json wall_entry(const Shape& shape, const json& source, const Scene& scene, bool moved, bool of_liquid) {
   json wall = shape.is_of_body ? json::object() : source;
   if (shape.is_of_body) {
-    for (const char* key : {"name", "material", "shape"}) wall[key] = source.at(key);
+    for (const char* key : {"name", "shape"}) wall[key] = source.at(key);
+    if (!of_liquid) wall["material"] = source.at("material");
     wall["body"] = scene.body_name(shape.body);
   }
   if (shape.is_of_body || moved) {
@@ -57,6 +58,8 @@ std::string plain_text(const std::string& text, const Scene& scene, const std::s
   std::vector<bool> shaped(scene.mbd ? scene.mbd->bodies.size() : 0);
   if (scene.dem && document["dem"].contains("walls"))
     for (const json& wall : document["dem"]["walls"]) sources.push_back(wall);
+  if (scene.sph && document["sph"].contains("walls"))
+    for (const json& wall : document["sph"]["walls"]) sources.push_back(wall);
   for (std::size_t b = 0; b < shaped.size(); ++b) {
     json& body = document["mbd"]["bodies"][b];
     shaped[b] = body["mass"].is_string();
@@ -70,14 +73,18 @@ std::string plain_text(const std::string& text, const Scene& scene, const std::s
     body.erase("shapes");
   }
 
-  json walls = json::array();
+  json of_grains = json::array(), of_liquid = json::array();
   for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
     const Shape& shape = scene.shapes[i];
-    if (shape.use == ShapeUse::wall)
-      walls.push_back(
-          wall_entry(shape, sources.at(i), scene, shape.body != ground && shaped[shape.body.value]));
+    if (shape.use != ShapeUse::wall) continue;
+    const bool moved = shape.body != ground && shaped[shape.body.value];
+    if (scene.dem && shape.for_grains)
+      of_grains.push_back(wall_entry(shape, sources.at(i), scene, moved, false));
+    if (scene.sph && shape.for_liquid)
+      of_liquid.push_back(wall_entry(shape, sources.at(i), scene, moved, true));
   }
-  if (!walls.empty()) document["dem"]["walls"] = std::move(walls);
+  if (!of_grains.empty()) document["dem"]["walls"] = std::move(of_grains);
+  if (!of_liquid.empty()) document["sph"]["walls"] = std::move(of_liquid);
   for (std::size_t i = 0; scene.dem && i < scene.dem->sensors.size(); ++i)
     if (const ParticleSensor& sensor = scene.dem->sensors[i];
         sensor.body != ground && shaped[sensor.body.value])

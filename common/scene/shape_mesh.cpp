@@ -106,7 +106,13 @@ TriangleMesh mesh_of(const Shape& shape, const TriangleMesh& in_file, int segmen
 }
 
 Wall wall_of(const Shape& shape) {
-  Wall wall{shape.name, shape.body, *shape.material, shape.pose, {}, shape.path, shape.surface_velocity};
+  Wall wall{shape.name,
+            shape.body,
+            shape.material.value_or(MaterialId{}),
+            shape.pose,
+            {},
+            shape.path,
+            shape.surface_velocity};
   std::visit(
       [&](const auto& geometry) {
         if constexpr (requires { wall.shape = geometry; })

@@ -34,7 +34,7 @@ double deviation_of_facets(const Geometry& geometry);
 TriangleMesh mesh_of(const Shape& shape, const TriangleMesh& in_file, int segments,
                      const std::string& origin);
 
-// What the particles know of a shape with a material: a surface of its kind, or a mesh that has the name of
+// What the particles know of a shape that is a wall: a surface of its kind, or a mesh that has the name of
 // the wall and no file.
 Wall wall_of(const Shape& shape);
 

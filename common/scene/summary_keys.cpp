@@ -51,7 +51,9 @@ namespace runs_of {
 const Runs any{[](const Scene&) { return true; }, "all scenes"};
 const Runs mbd{[](const Scene& scene) { return scene.mbd.has_value(); }, "scenes with 'mbd'"};
 const Runs dem{[](const Scene& scene) { return scene.dem.has_value(); }, "scenes with 'dem'"};
-const Runs coupled{[](const Scene& scene) { return scene.mbd && scene.dem; }, "scenes with 'mbd' and 'dem'"};
+const Runs sph{[](const Scene& scene) { return scene.sph.has_value(); }, "scenes with 'sph'"};
+const Runs coupled{[](const Scene& scene) { return scene.mbd && scene.has_particles(); },
+                   "scenes with 'mbd' and particles"};
 const Runs traffic{has_traffic, "scenes with inlets or outlets"};
 const Runs placed{has_placed, "scenes with a packing, a fill from a run or settle"};
 const Runs packed{has_packing, "scenes with a packing"};

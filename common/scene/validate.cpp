@@ -73,7 +73,7 @@ void validate_coupling(const Scene& scene, const std::string& origin) {
   if (!c.adaptive) return;
   const Adaptive& a = *c.adaptive;
   const std::string path = "coupling.adaptive";
-  if (!scene.mbd || !scene.dem)
+  if (!scene.mbd || !scene.has_particles())
     fail(origin, path, "one solver alone has no error of coupling", "leave it out");
   require_nanoseconds(a.min_window, origin, path + ".min_window");
   require_nanoseconds(a.max_window, origin, path + ".max_window");
@@ -185,7 +185,8 @@ void validate_signal(const std::string& signal, const Scene& scene, const std::s
   const std::vector<std::string> known = summary_keys(scene);
   if (std::find(known.begin(), known.end(), key) != known.end()) return;
   // Only a foreign solver knows which numbers it reports.
-  if ((scene.mbd && !scene.mbd->server.empty()) || (scene.dem && !scene.dem->server.empty())) return;
+  const auto is_foreign = [](const auto& part) { return part && !part->server.empty(); };
+  if (is_foreign(scene.mbd) || is_foreign(scene.dem) || is_foreign(scene.sph)) return;
   const std::string others = runs_with(key);
   fail(origin, path, "summary.json of this scene has no number '" + shortened(key) + "'",
        others.empty() ? suggest_name(key, known, "numbers") : "that is a number of " + others);
@@ -238,8 +239,9 @@ void require_box(Vec3d min, Vec3d max, const std::string& origin, const std::str
 }
 
 void validate(const Scene& scene, const std::string& origin) {
-  if (!scene.mbd && !scene.dem)
-    fail(origin, "", "the scene has neither 'mbd' nor 'dem'", "give bodies, particles, or both");
+  if (!scene.mbd && !scene.has_particles())
+    fail(origin, "", "the scene has neither 'mbd' nor 'dem' nor 'sph'",
+         "give bodies, particles, a liquid, or several of them");
   validate_times(scene, origin);
   validate_coupling(scene, origin);
   if (scene.mbd) validate_server(scene.mbd->server, origin, "mbd.server");
@@ -247,6 +249,11 @@ void validate(const Scene& scene, const std::string& origin) {
   if (scene.mbd) validate_mbd(*scene.mbd, scene.coupling.window, scene.end_time, origin);
   if (scene.dem) validate_dem(*scene.dem, scene.coupling.window, origin);
   if (scene.dem) validate_walls(scene, origin);
+  if (scene.sph) {
+    validate_server(scene.sph->server, origin, "sph.server");
+    validate_sph(scene, origin);
+    validate_liquid_walls(scene, origin);
+  }
   validate_fills(scene, origin);
   validate_shapes(scene, origin);
   if (scene.dem && scene.dem->follows) validate_moving_domain(scene, origin);

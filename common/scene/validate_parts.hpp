@@ -41,6 +41,12 @@ void validate_contact_outputs(const Scene& scene, const std::string& origin);
 // Refuses two walls that coincide in whole or in part: spheres would be in contact with both.
 void validate_walls(const Scene& scene, const std::string& origin);
 
+// The same for the walls of the liquid, and what it knows no surface of.
+void validate_liquid_walls(const Scene& scene, const std::string& origin);
+
+// The liquid without its walls.
+void validate_sph(const Scene& scene, const std::string& origin);
+
 // Sizes of spheres, and fills that are placed before the start.
 void validate_fills(const Scene& scene, const std::string& origin);
 

@@ -113,19 +113,61 @@ bool overlap(const Wall& a, const Wall& b) {
   return false;
 }
 
-std::string path_of(const Wall& wall, std::size_t index) {
-  return wall.path.empty() ? element("dem.walls", index) : wall.path;
+std::string path_of(const Wall& wall, std::size_t index, const char* list = "dem.walls") {
+  return wall.path.empty() ? element(list, index) : wall.path;
+}
+
+// What holds for walls of grains and of a liquid. `list`: their place in the scene, `touch`: what touches
+// them.
+void validate_surfaces(const std::vector<Wall>& walls, const char* list, const char* touch,
+                       const Scene& scene, const std::string& origin) {
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    const std::string path = path_of(walls[i], i, list);
+    require_unit(walls[i].pose.q_WB, origin, path + ".orientation");
+    if (const auto* plane = std::get_if<PlaneShape>(&walls[i].shape))
+      require_unit(plane->normal, origin, path + ".shape.normal");
+    if (const auto* box = std::get_if<BoxShape>(&walls[i].shape); box && box->open.size() == 6)
+      fail(origin, path + ".shape.open", "all six faces of the box are open",
+           "leave a face, or leave out the wall");
+    if (const auto* cylinder = std::get_if<CylinderShape>(&walls[i].shape); cylinder && !cylinder->height)
+      for (const bool segments : {true, false})
+        if (segments ? cylinder->segments.has_value() : !cylinder->open.empty())
+          fail(origin, path + (segments ? ".shape.segments" : ".shape.open"),
+               std::string("a cylinder without a height is endless: it has no ") +
+                   (segments ? "flat faces" : "ends"),
+               "give a height, or leave this out");
+  }
+  for (std::size_t i = 0; i < walls.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (overlap(walls[k], walls[i]))
+        fail(origin, path_of(walls[i], i, list),
+             "wall '" + walls[i].name + "' overlaps wall '" + walls[k].name + "' on '" +
+                 scene.body_name(walls[i].body) + "'",
+             std::string("which of them ") + touch + " is left to chance: move one, or leave it out");
 }
 
 }  // namespace
 
+void validate_liquid_walls(const Scene& scene, const std::string& origin) {
+  const std::vector<Wall>& walls = scene.sph->walls;
+  validate_surfaces(walls, "sph.walls", "the liquid touches", scene, origin);
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    const std::string path = path_of(walls[i], i, "sph.walls");
+    if (std::holds_alternative<PlaneShape>(walls[i].shape) && walls[i].body != ground)
+      fail(origin, path + ".shape",
+           "the plane is on a body that moves, and the liquid knows no endless walls there",
+           "give a face of a box: a box with five open faces");
+    if (const auto* cylinder = std::get_if<CylinderShape>(&walls[i].shape); cylinder && !cylinder->height)
+      fail(origin, path + ".shape", "the cylinder is endless, and the liquid knows no such wall",
+           "give it a height");
+  }
+}
+
 void validate_walls(const Scene& scene, const std::string& origin) {
   const std::vector<Wall>& walls = scene.dem->walls;
+  validate_surfaces(walls, "dem.walls", "spheres touch", scene, origin);
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const std::string path = path_of(walls[i], i);
-    require_unit(walls[i].pose.q_WB, origin, path + ".orientation");
-    if (const auto* plane = std::get_if<PlaneShape>(&walls[i].shape))
-      require_unit(plane->normal, origin, path + ".shape.normal");
     if (const auto& surface = walls[i].surface_velocity) {
       if (scene.dem->contact == ContactLaw::hertz_frictionless)
         fail(origin, path + ".surface_velocity",
@@ -142,25 +184,7 @@ void validate_walls(const Scene& scene, const std::string& origin) {
                "a surface moves along itself: give a velocity in the plane, or move the body");
       }
     }
-    if (const auto* box = std::get_if<BoxShape>(&walls[i].shape); box && box->open.size() == 6)
-      fail(origin, path + ".shape.open", "all six faces of the box are open",
-           "leave a face, or leave out the wall");
-    if (const auto* cylinder = std::get_if<CylinderShape>(&walls[i].shape); cylinder && !cylinder->height)
-      for (const bool segments : {true, false})
-        if (segments ? cylinder->segments.has_value() : !cylinder->open.empty())
-          fail(origin, path + (segments ? ".shape.segments" : ".shape.open"),
-               std::string("a cylinder without a height is endless: it has no ") +
-                   (segments ? "flat faces" : "ends"),
-               "give a height, or leave this out");
   }
-
-  for (std::size_t i = 0; i < walls.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k)
-      if (overlap(walls[k], walls[i]))
-        fail(origin, path_of(walls[i], i),
-             "wall '" + walls[i].name + "' overlaps wall '" + walls[k].name + "' on '" +
-                 scene.body_name(walls[i].body) + "'",
-             "which of them spheres touch is left to chance: move one, or leave it out");
 }
 
 void validate_moving_domain(const Scene& scene, const std::string& origin) {

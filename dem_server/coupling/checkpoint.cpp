@@ -85,11 +85,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
   Memory memory = memory_;
   file.read("last_motions", std::as_writable_bytes(std::span(memory.bodies)));
   for (const LastMotion& last : memory.bodies)
-    expect_sound("last_motions",
-                 last.known <= 1 && is_finite(last.pose.p_WB) &&
-                     scene::is_unit(std::sqrt(last.pose.q_WB.norm2())) && is_finite(last.twist.v_WB) &&
-                     is_finite(last.twist.w_WB),
-                 "a body has no such pose and velocity");
+    expect_sound("last_motions", last.is_possible(), "a body has no such pose and velocity");
   file.read("limits", std::as_writable_bytes(std::span(&memory.limits, 1)));
   expect_sound("limits", memory.limits.is_possible(), "a figure is not finite");
   file.read("traffic", std::as_writable_bytes(std::span(memory.traffic)));

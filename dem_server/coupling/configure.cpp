@@ -168,14 +168,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
 std::vector<double> Solver::measure_at_start() {
   if (!sensors_.any()) return {};
   poses_.clear();
-  for (const BoundaryBody& boundary : bodies_) {
-    BodyPose pose{.p = {}, .R = Quat{}.matrix(), .v = {}, .w = {}};
-    if (boundary.body != ground) {
-      const scene::Body& body = scene_.mbd->bodies[boundary.body.value];
-      pose = {body.pose.p_WB, body.pose.q_WB.matrix(), body.twist.v_WB, body.twist.w_WB};
-    }
-    poses_.push_back(pose);
-  }
+  for (const BoundaryBody& boundary : bodies_) poses_.push_back(pose_at_start(boundary.body, scene_));
   return sensors_.measure(*engine_, poses_, 0, {}, memory_.sensors);
 }
 

@@ -128,15 +128,6 @@ const WindowOutcome& Solver::advance_engine() {
   }
 }
 
-PathSegment Solver::segment_of(const BoundaryBody& boundary, const protocol::MotionSet& motion) const {
-  if (boundary.body == ground) return {};  // at rest at the world's origin
-  const auto found = std::ranges::find(motion.bodies, boundary.body.value, &protocol::BodyMotion::body);
-  if (found == motion.bodies.end())
-    throw Error(ErrorCode::protocol, "no motion of body '" + boundary.name + "', which carries walls",
-                "motion", "the multibody side must send every boundary body");
-  return {found->begin_pose, found->end_pose, found->begin_twist, found->end_twist};
-}
-
 // Bound of the distance from `origin` at which a sphere of the domain may be in contact with a wall [m].
 double Solver::farthest_contact(Vec3d origin) const {
   const scene::Box& domain = scene_.dem->domain;

@@ -12,6 +12,7 @@
 #include "dem_server/coupling/sensors.hpp"
 #include "dem_server/coupling/traffic.hpp"
 #include "dem_server/engine/engine.hpp"
+#include "particles/serving/boundary.hpp"
 #include "protocol/participant/solver.hpp"
 
 namespace tandem::dem {
@@ -38,17 +39,6 @@ class Solver final : public protocol::LoadSolver {
   }
 
  private:
-  struct BoundaryBody {
-    BodyId body;
-    std::string name;
-    double extent = 0;  // distance of the farthest wall point from the body's origin; may be infinite [m]
-  };
-  // Motion of a boundary body at the end of the last window.
-  struct LastMotion {
-    Pose pose;
-    Twist twist;
-    std::uint64_t known = 0;  // 0 before the first window
-  };
   // The state that the solver keeps from window to window besides the engine's: a rollback restores it, and a
   // restart file holds it.
   struct Memory {
@@ -80,7 +70,6 @@ class Solver final : public protocol::LoadSolver {
   std::string precision_name() const;
   const WindowOutcome& advance_engine();
   void pass_inlets_and_outlets(Nanoseconds now);
-  PathSegment segment_of(const BoundaryBody& body, const protocol::MotionSet& motion) const;
   double farthest_contact(Vec3d origin) const;
   void set_paths(const protocol::MotionSet& motion);
   std::vector<double> measure_at_start();

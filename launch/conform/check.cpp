@@ -38,6 +38,7 @@ const std::vector<Check>& checks() {
     add_wall_checks(all);
     add_particle_checks(all);
     add_contact_checks(all);
+    add_liquid_checks(all);
     add_long_checks(all);
     return all;
   }();
@@ -48,14 +49,13 @@ std::string checks_as_markdown() {
   std::string text =
       "| check | of | capability | scene | any scene | what it means |\n|---|---|---|---|---|---|\n";
   for (const Check& check : checks()) {
-    const bool mbd = check.of(protocol::Role::mbd), dem = check.of(protocol::Role::dem);
-    std::string scene;
-    if (mbd) scene += fmt::format("`{}`", check.scene_mbd);
-    if (dem) scene += fmt::format("{}`{}`", mbd ? ", " : "", check.scene_dem);
-    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", check.name,
-                        mbd && dem ? "both"
-                        : mbd      ? "mbd"
-                                   : "dem",
+    std::string roles, scene;
+    for (const protocol::Role role : protocol::all_roles) {
+      if (!check.of(role)) continue;
+      roles += fmt::format("{}{}", roles.empty() ? "" : ", ", protocol::word_of(role));
+      scene += fmt::format("{}`{}`", scene.empty() ? "" : ", ", check.scene(role));
+    }
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", check.name, roles,
                         check.needs == 0 ? "-" : "`" + protocol::capability_names(check.needs) + "`", scene,
                         check.any_scene ? "yes" : "no", check.meaning);
   }

@@ -60,23 +60,21 @@ class Examination {
   bool accepted_ = false;
 };
 
-enum class Side { mbd, dem, both };
-
 struct Check {
   const char* name;
-  Side side;
   const char* meaning;    // for the report and docs/conform.md
   std::uint64_t needs;    // capability bits; a participant without them is not judged by this check
-  const char* scene_mbd;  // built-in scene of each side
+  const char* scene_mbd;  // built-in scene for each role; null: the check is not of this role
   const char* scene_dem;
   bool any_scene;  // holds on the user's scene as well
   void (*run)(Examination& examination);
   bool is_long = false;  // only where it is asked for, by Limits::long_run or by its name
+  const char* scene_sph = nullptr;
 
-  bool of(protocol::Role role) const {
-    return side == Side::both || (side == Side::mbd) == (role == protocol::Role::mbd);
+  const char* scene(protocol::Role role) const {
+    return role == protocol::Role::mbd ? scene_mbd : role == protocol::Role::dem ? scene_dem : scene_sph;
   }
-  const char* scene(protocol::Role role) const { return role == protocol::Role::mbd ? scene_mbd : scene_dem; }
+  bool of(protocol::Role role) const { return scene(role) != nullptr; }
 };
 
 // All checks, in the order of the report.
@@ -90,6 +88,7 @@ void add_load_checks(std::vector<Check>& table);
 void add_wall_checks(std::vector<Check>& table);
 void add_contact_checks(std::vector<Check>& table);
 void add_particle_checks(std::vector<Check>& table);
+void add_liquid_checks(std::vector<Check>& table);
 void add_long_checks(std::vector<Check>& table);
 
 // The table of docs/conform.md.

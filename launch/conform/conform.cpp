@@ -19,17 +19,22 @@ namespace tandem::conform {
 namespace {
 
 launch::ServerCommand command_of_participant(const ConformOptions& options) {
-  for (const char* own : {"mbd_server", "dem_server"})
-    if (options.command == own) return {own, launch::program_folder() / own, {}};
+  for (const protocol::Role role : protocol::all_roles)
+    if (const std::string own = protocol::name(role); options.command == own)
+      return {own, launch::program_folder() / own, {}};
   return launch::find_server(options.command, ".", "the participant");
 }
 
 JudgedScene scene_of_user(const std::filesystem::path& path, protocol::Role role) {
   launch::SceneFile file = launch::read_scene(path);
-  if (role == protocol::Role::mbd ? !file.scene.mbd : !file.scene.dem)
-    throw Error(ErrorCode::usage,
-                fmt::format("has no {} for the participant to compute",
-                            role == protocol::Role::mbd ? "bodies (mbd)" : "particles (dem)"),
+  const bool there = role == protocol::Role::mbd   ? file.scene.mbd.has_value()
+                     : role == protocol::Role::dem ? file.scene.dem.has_value()
+                                                   : file.scene.sph.has_value();
+  const char* part = role == protocol::Role::mbd   ? "bodies (mbd)"
+                     : role == protocol::Role::dem ? "particles (dem)"
+                                                   : "liquid (sph)";
+  if (!there)
+    throw Error(ErrorCode::usage, fmt::format("has no {} for the participant to compute", part),
                 path.string(), "give a scene that has");
   protocol::Configuration configuration{file.text, file.origin, file.meshes, file.files, "auto", 1};
   return {std::move(configuration), std::move(file.scene)};

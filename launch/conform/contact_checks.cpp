@@ -175,7 +175,7 @@ void outlet(Examination& e) {
 
 void add_contact_checks(std::vector<Check>& table) {
   const auto add = [&](const char* name, const char* meaning, const char* scene, void (*run)(Examination&)) {
-    table.push_back({name, Side::dem, meaning, 0, nullptr, scene, false, run});
+    table.push_back({name, meaning, 0, nullptr, scene, false, run});
   };
   add("sphere_impact",
       "two spheres that meet leave each other with the restitution of their materials, and keep their "

@@ -107,19 +107,19 @@ void elements(Examination& e) {
 }  // namespace
 
 void add_joint_checks(std::vector<Check>& table) {
-  table.push_back({"joint_reaction", Side::mbd,
+  table.push_back({"joint_reaction",
                    "the reaction of a joint is that on the child, about the joint's point, in world axes", 0,
                    "joints", nullptr, false, joint_reaction});
   table.push_back(
-      {"joint_motion", Side::mbd,
+      {"joint_motion",
        "coordinates of a hinge and a slide are zero in the scene's pose, and positive along the axis", 0,
        "joints", nullptr, false, joint_motion});
-  table.push_back({"control", Side::mbd,
+  table.push_back({"control",
                    "a control input acts until the next one, and restore goes back to the one that was saved",
                    protocol::can_control, "actuated", nullptr, false, control});
-  table.push_back(
-      {"elements", Side::mbd, "the frame for the results has force, rate, power and work of an actuator",
-       protocol::can_control | protocol::can_observe_elements, "actuated", nullptr, false, elements});
+  table.push_back({"elements", "the frame for the results has force, rate, power and work of an actuator",
+                   protocol::can_control | protocol::can_observe_elements, "actuated", nullptr, false,
+                   elements});
 }
 
 }  // namespace tandem::conform

@@ -162,8 +162,8 @@ void load_rollback(Examination& e) {
 void add_load_checks(std::vector<Check>& table) {
   using namespace protocol;
   const auto add = [&](const char* name, const char* meaning, std::uint64_t needs, const char* scene,
-                       bool any, void (*run)(Examination&)) {
-    table.push_back({name, Side::dem, meaning, needs, nullptr, scene, any, run});
+                       bool any, void (*run)(Examination&), const char* of_liquid = nullptr) {
+    table.push_back({name, meaning, needs, nullptr, scene, any, run, false, of_liquid});
   };
   add("weight_on_body", "a sphere at rest loads a body by its weight, downwards", 0, "tray", false,
       weight_on_body);
@@ -173,14 +173,14 @@ void add_load_checks(std::vector<Check>& table) {
       "tray", false, load_on_ground);
   add("momentum_balance",
       "in each window the momentum of the particles changes by gravity and by minus the loads", 0, "bed",
-      true, momentum_balance);
+      true, momentum_balance, "basin");
   add("load_halves", "two windows of half the length give the same impulse as one", can_window_mean, "bed",
-      true, load_halves);
+      true, load_halves, "basin");
   add("linearise", "stiffness and damping are minus the differences of the load by displacement and velocity",
       can_linearise | can_rollback, "tray", false, linearise);
   add("load_rollback",
       "the same windows after restore have the same bits, also after a second restore of one save",
-      can_rollback, "bed", true, load_rollback);
+      can_rollback, "bed", true, load_rollback, "basin");
 }
 
 }  // namespace tandem::conform

@@ -107,11 +107,11 @@ void long_load(Examination& e) {
 }  // namespace
 
 void add_long_checks(std::vector<Check>& table) {
-  table.push_back({"long_motion", Side::mbd,
+  table.push_back({"long_motion",
                    "with --long: free bodies move as load and gravity require, to the end of a long run", 0,
                    "free_bodies", nullptr, false, long_motion, true});
   table.push_back(
-      {"long_load", Side::dem,
+      {"long_load",
        "with --long: spheres at rest load body and ground by their weight, to the end of a long run", 0,
        nullptr, "tray", false, long_load, true});
 }

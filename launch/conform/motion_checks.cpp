@@ -232,7 +232,7 @@ void energy(Examination& e) {
 void add_motion_checks(std::vector<Check>& table) {
   const auto add = [&](const char* name, const char* meaning, std::uint64_t needs, bool any,
                        void (*run)(Examination&)) {
-    table.push_back({name, Side::mbd, meaning, needs, "free_bodies", nullptr, any, run});
+    table.push_back({name, meaning, needs, "free_bodies", nullptr, any, run});
   };
   add("free_fall", "without loads, velocities are g t and positions g t2/2 further", 0, false, free_fall);
   add("force_impulse", "the momentum that a body gets is the impulse of load and gravity", 0, false,

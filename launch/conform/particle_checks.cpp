@@ -85,9 +85,9 @@ void micro_steps(Examination& e) {
     const protocol::ParticleAccount& a = loads.account;
     e.compare("micro steps times their length", static_cast<double>(a.micro_steps) * a.micro_step, length,
               1e-9 * length, "s");
-    if (const auto step = e.scene().dem.value().micro_step)
-      e.expect(a.micro_step <= *step * (1 + 1e-9),
-               "the micro steps are longer than dem.micro_step of the scene");
+    if (const auto step = e.subject().role() == protocol::Role::dem ? e.scene().dem.value().micro_step
+                                                                    : e.scene().sph.value().micro_step)
+      e.expect(a.micro_step <= *step * (1 + 1e-9), "the micro steps are longer than micro_step of the scene");
   }
 }
 
@@ -135,7 +135,7 @@ void snapshot(Examination& e) {
   ParticlesFrame kept;
   session->remote().observe_particles(then.time, kept);
   e.expect(kept.id == then.id && kept.position == then.position && kept.velocity == then.velocity &&
-               kept.spin == then.spin && kept.radius == then.radius,
+               kept.spin == then.spin && kept.radius == then.radius && kept.liquid == then.liquid,
            "the frame of the snapshot is not the one of its time");
   e.expect(session->particles().position != then.position, "the next frame is that of the snapshot");
 }
@@ -190,21 +190,21 @@ void particle_checkpoint(Examination& e) {
 void add_particle_checks(std::vector<Check>& table) {
   using namespace protocol;
   const auto add = [&](const char* name, const char* meaning, std::uint64_t needs, const char* scene,
-                       bool any, void (*run)(Examination&)) {
-    table.push_back({name, Side::dem, meaning, needs, nullptr, scene, any, run});
+                       bool any, void (*run)(Examination&), const char* of_liquid = nullptr) {
+    table.push_back({name, meaning, needs, nullptr, scene, any, run, false, of_liquid});
   };
   add("free_flight", "in flight, momentum changes by the impulse of gravity, and positions by v t + g t2/2",
       0, "flight", false, free_flight);
   add("account_chain", "each window begins with the momentum with which the last one ended", 0, "bed", true,
-      account_chain);
+      account_chain, "basin");
   add("micro_steps", "a whole number of micro steps, none longer than the scene's, fills each window", 0,
-      "bed", true, micro_steps);
+      "bed", true, micro_steps, "basin");
   add("kinetic_energy", "the account has the energy of translation and rotation of all spheres", 0, "bed",
       false, kinetic_energy_of_account);
   add("observe_particles", "the frame has all spheres, inside the domain, with the momentum of the account",
       0, "bed", false, observe_particles);
   add("snapshot", "a frame that was kept is sent after the next window as it was", can_snapshot, "bed", false,
-      snapshot);
+      snapshot, "basin");
   add("lost_particle",
       "a sphere that leaves the domain is counted and taken out, and its momentum is recorded; the others "
       "keep their ids",
@@ -212,7 +212,7 @@ void add_particle_checks(std::vector<Check>& table) {
   add("periodic", "a sphere beyond a periodic face is inside the domain again, with its id", 0, "round_trip",
       false, periodic);
   add("particle_checkpoint", "a run that goes on from a file has the same bits", can_checkpoint, "bed", true,
-      particle_checkpoint);
+      particle_checkpoint, "basin");
 }
 
 }  // namespace tandem::conform

@@ -138,7 +138,7 @@ void add_prediction_checks(std::vector<Check>& table) {
   using namespace protocol;
   const auto add = [&](const char* name, const char* meaning, std::uint64_t needs, bool any,
                        void (*run)(Examination&)) {
-    table.push_back({name, Side::mbd, meaning, needs, "free_bodies", nullptr, any, run});
+    table.push_back({name, meaning, needs, "free_bodies", nullptr, any, run});
   };
   add("predict_velocity", "a prediction holds the velocities from the present state on", can_predict, false,
       predict_velocity);

@@ -157,7 +157,7 @@ Json to_json(const Judgement& judgement) {
     if (const std::uint64_t mask = std::uint64_t{1} << bit; judgement.capabilities & mask)
       capabilities.push_back(protocol::capability_names(mask));
   return {{"program", printable(judgement.program)},
-          {"role", judgement.role == protocol::Role::mbd ? "mbd" : "dem"},
+          {"role", protocol::word_of(judgement.role)},
           {"version", launch::version},
           {"capabilities", capabilities},
           {"passed", judgement.passed()},

@@ -44,9 +44,8 @@ std::vector<BodyLoad> sample_loads(const scene::Scene& scene, const std::vector<
 
 std::vector<std::uint32_t> boundary_bodies(const scene::Scene& scene) {
   std::set<std::uint32_t> bodies;
-  if (scene.dem)
-    for (const scene::Wall& wall : scene.dem->walls)
-      if (wall.body != ground) bodies.insert(wall.body.value);
+  for (const scene::Wall& wall : scene.walls())
+    if (wall.body != ground) bodies.insert(wall.body.value);
   return {bodies.begin(), bodies.end()};
 }
 
@@ -116,7 +115,7 @@ bool same_bits(const protocol::BodiesFrame& a, const protocol::BodiesFrame& b) {
 
 bool same_bits(const protocol::ParticlesFrame& a, const protocol::ParticlesFrame& b) {
   return same(a.id, b.id) && same(a.position, b.position) && same(a.velocity, b.velocity) &&
-         same(a.spin, b.spin) && same(a.radius, b.radius);
+         same(a.spin, b.spin) && same(a.radius, b.radius) && same(a.liquid, b.liquid);
 }
 
 }  // namespace tandem::conform

@@ -204,6 +204,32 @@ constexpr const char* round_trip_scene = R"({
   }
 })";
 
+// A basin on a body, filled with a liquid at rest.
+constexpr const char* basin_scene = R"({
+  "tandem": "1.1", "name": "basin", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
+  "mbd": {"bodies": [{"name": "basin", "mass": 5, "inertia": [1, 1, 1], "position": [0.3, 0.2, 0.1]}]},
+  "sph": {
+    "spacing": 0.02, "precision": "double", "wall_friction": "free_slip", "micro_step": 0.0005,
+    "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "sound_speed": 14,
+                 "artificial_viscosity": 0.1,
+                 "fill": [{"type": "box", "min": [0.24, 0.14, 0], "max": [0.36, 0.26, 0.12]}]}],
+    "walls": [{"name": "case", "body": "basin", "shape": {"type": "box", "size": [0.12, 0.12, 0.2], "open": ["+z"]}}],
+    "domain": {"min": [0, 0, -0.1], "max": [0.6, 0.5, 0.5]}
+  }
+})";
+
+// A block of liquid in flight, without walls.
+constexpr const char* block_scene = R"({
+  "tandem": "1.1", "name": "block", "gravity": [0, 0, -9.81], "end_time": 1, "coupling": {"window": 0.001},
+  "sph": {
+    "spacing": 0.02, "precision": "double",
+    "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "sound_speed": 14, "pressure": "zero",
+                 "velocity": [0.5, 0, 0.2],
+                 "fill": [{"type": "box", "min": [-0.06, -0.06, -0.06], "max": [0.06, 0.06, 0.06]}]}],
+    "domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}
+  }
+})";
+
 }  // namespace
 
 const std::vector<BuiltInScene>& built_in_scenes() {
@@ -222,7 +248,9 @@ const std::vector<BuiltInScene>& built_in_scenes() {
                                                 {"stack", Role::dem, stack_scene},
                                                 {"trays", Role::dem, trays_scene},
                                                 {"inlets", Role::dem, inlets_scene},
-                                                {"outlet", Role::dem, outlet_scene}};
+                                                {"outlet", Role::dem, outlet_scene},
+                                                {"basin", Role::sph, basin_scene},
+                                                {"block", Role::sph, block_scene}};
   return scenes;
 }
 

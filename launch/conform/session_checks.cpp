@@ -194,7 +194,7 @@ void wrong_scene(Examination& e) {
 void add_session_checks(std::vector<Check>& table) {
   const auto add = [&](const char* name, const char* meaning, std::uint64_t needs, const char* mbd,
                        const char* dem, bool any, void (*run)(Examination&)) {
-    table.push_back({name, Side::both, meaning, needs, mbd, dem, any, run});
+    table.push_back({name, meaning, needs, mbd, dem, any, run, false, "basin"});
   };
   add("hello", "it registers within the time, with the protocol's version, its layout and the role", 0,
       "free_bodies", "tray", true, hello);
@@ -217,7 +217,7 @@ void add_session_checks(std::vector<Check>& table) {
   add("not_finite", "a number that is not finite is refused with a failure", 0, "free_bodies", "tray", true,
       not_finite);
   add("unknown_body",
-      "mbd: a load on a body that is not there, dem: a missing motion is refused with a failure", 0,
+      "mbd: a load on a body that is not there, dem and sph: a missing motion is refused with a failure", 0,
       "free_bodies", "tray", true, unknown_body);
   add("wrong_scene", "a scene that is no scene is refused with a failure, after which it leaves", 0,
       "free_bodies", "tray", false, wrong_scene);

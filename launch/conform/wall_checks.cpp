@@ -131,7 +131,7 @@ void add_wall_checks(std::vector<Check>& table) {
   using namespace protocol;
   const auto add = [&](const char* name, const char* meaning, std::uint64_t needs, const char* scene,
                        bool any, void (*run)(Examination&)) {
-    table.push_back({name, Side::dem, meaning, needs, nullptr, scene, any, run});
+    table.push_back({name, meaning, needs, nullptr, scene, any, run});
   };
   add("same_window", "a wall that reaches a sphere inside a window loads it in this window", can_interpolate,
       "piston", false, same_window);

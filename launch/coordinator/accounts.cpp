@@ -80,7 +80,6 @@ WindowBalance Accounts::balance_of(const Exchange& exchange) {
 
 void Accounts::record(const Exchange& exchange) {
   ++windows_;
-  const double H = exchange.load.window.length();
   last_ = balance_of(exchange);
   energy_created_ += last_.created();
   energy_exchanged_ += last_.exchanged();
@@ -101,41 +100,73 @@ void Accounts::record(const Exchange& exchange) {
     impulse.under_way = exchange.held ? body.recorded : Wrench{};
   }
 
-  if (exchange.load.account.micro_steps == 0) return;  // no particles
+  const std::span<const protocol::LoadSet> loads = exchange.loads();
+  if (particles_.size() < loads.size()) particles_.resize(loads.size());
+  for (std::size_t i = 0; i < loads.size(); ++i) particles_[i].record(loads[i]);
+}
+
+void ParticleBalance::record(const protocol::LoadSet& load) {
+  if (load.account.micro_steps == 0) return;  // no particles
   // From the end of the last window to the begin of this one nothing acts on the particles.
-  const Vec3d jump =
-      particles_.micro_steps > 0 ? exchange.load.account.momentum_begin - particles_.momentum_end : Vec3d{};
-  particles_ = exchange.load.account;
-  largest_micro_step_ = std::max(largest_micro_step_, particles_.micro_step);
-  micro_steps_ += particles_.micro_steps;
+  const Vec3d jump = account_.micro_steps > 0 ? load.account.momentum_begin - account_.momentum_end : Vec3d{};
+  account_ = load.account;
+  largest_micro_step_ = std::max(largest_micro_step_, account_.micro_step);
+  micro_steps_ += account_.micro_steps;
   Vec3d reactions;  // of the bodies and the ground on the particles [N s]
-  for (const BodyLoad& load : exchange.load.bodies) reactions += -H * load.mean.force;
-  const Vec3d change = particles_.momentum_end - particles_.momentum_begin;
-  const Vec3d error = jump + change + particles_.lost_momentum - particles_.gravity_impulse - reactions;
-  momentum_error_ += error;
-  momentum_error_sum_ += norm(error);
-  momentum_scale_[0] += norm(change);
-  momentum_scale_[1] += norm(particles_.gravity_impulse);
-  momentum_scale_[2] += norm(reactions);
+  for (const BodyLoad& body : load.bodies) reactions += -load.window.length() * body.mean.force;
+  const Vec3d change = account_.momentum_end - account_.momentum_begin;
+  const Vec3d error = jump + change + account_.lost_momentum - account_.gravity_impulse - reactions;
+  error_ += error;
+  error_sum_ += norm(error);
+  scale_[0] += norm(change);
+  scale_[1] += norm(account_.gravity_impulse);
+  scale_[2] += norm(reactions);
+}
+
+void ParticleBalance::save_or_restore(Archive& archive, const std::string& prefix) {
+  archive(prefix + "momentum_error", error_);
+  archive(prefix + "momentum_error_sum", error_sum_);
+  archive(prefix + "momentum_scale", scale_);
+  archive(prefix + "micro_steps", micro_steps_);
+  archive(prefix + "largest_micro_step", largest_micro_step_);
+  archive(prefix + "particles", account_);
+  for (const double sum : {largest_micro_step_, norm(error_), error_sum_, scale_[0], scale_[1], scale_[2]})
+    archive.expect(std::isfinite(sum), "accounts", "a sum is not finite");
+}
+
+double ParticleBalance::momentum() const {
+  return ratio(norm(error_), *std::max_element(std::begin(scale_), std::end(scale_)));
+}
+
+double ParticleBalance::momentum_windows() const {
+  return ratio(error_sum_, *std::max_element(std::begin(scale_), std::end(scale_)));
+}
+
+const ParticleBalance& Accounts::particles(std::size_t solver) const {
+  static const ParticleBalance none;
+  return solver < particles_.size() ? particles_[solver] : none;
+}
+
+std::uint64_t Accounts::micro_steps() const {
+  std::uint64_t all = 0;
+  for (const ParticleBalance& particles : particles_) all += particles.micro_steps();
+  return all;
 }
 
 double Accounts::Impulse::relative(const Wrench& part) const {
   return std::max(ratio(norm(part.force), force), ratio(norm(part.torque), torque));
 }
 
-void Accounts::save_or_restore(Archive& archive, std::size_t bodies) {
+void Accounts::save_or_restore(Archive& archive, std::size_t bodies, std::size_t load_solvers) {
   archive("accounts/last", last_.bodies);
   archive("accounts/bodies", bodies_);
   archive("accounts/impulses", impulses_);
   archive("accounts/energy_exchanged", energy_exchanged_);
   archive("accounts/energy_created", energy_created_);
-  archive("accounts/momentum_error", momentum_error_);
-  archive("accounts/momentum_error_sum", momentum_error_sum_);
-  archive("accounts/momentum_scale", momentum_scale_);
   archive("accounts/windows", windows_);
-  archive("accounts/micro_steps", micro_steps_);
-  archive("accounts/largest_micro_step", largest_micro_step_);
-  archive("accounts/particles", particles_);
+  particles_.resize(load_solvers);
+  for (std::size_t i = 0; i < load_solvers; ++i)
+    particles_[i].save_or_restore(archive, i == 0 ? "accounts/" : "accounts/" + std::to_string(i) + "/");
   const auto expect = [&](const char* name, const BodyBalance& of) {
     archive.expect(of.body < bodies || of.body == ground.value, name, "there is no such body");
     archive.expect(flag(of.loaded) <= 1, name, "`loaded` is neither true nor false");
@@ -143,8 +174,7 @@ void Accounts::save_or_restore(Archive& archive, std::size_t bodies) {
       archive.expect(is_finite(wrench->force) && is_finite(wrench->torque), name, "an impulse is not finite");
     archive.expect(std::isfinite(of.given) && std::isfinite(of.received), name, "a work is not finite");
   };
-  for (const double sum : {largest_micro_step_, energy_exchanged_, energy_created_, norm(momentum_error_),
-                           momentum_error_sum_, momentum_scale_[0], momentum_scale_[1], momentum_scale_[2]})
+  for (const double sum : {energy_exchanged_, energy_created_})
     archive.expect(std::isfinite(sum), "accounts", "a sum is not finite");
   for (const BodyBalance& body : last_.bodies) expect("accounts/last", body);
   for (const auto& [index, body] : bodies_) {
@@ -176,16 +206,6 @@ double Accounts::impulse_outstanding() const {
 
 double Accounts::energy_residual() const {
   return ratio(energy_created_, energy_exchanged_);
-}
-
-double Accounts::momentum_balance_windows() const {
-  return ratio(momentum_error_sum_,
-               *std::max_element(std::begin(momentum_scale_), std::end(momentum_scale_)));
-}
-
-double Accounts::momentum_balance() const {
-  return ratio(norm(momentum_error_),
-               *std::max_element(std::begin(momentum_scale_), std::end(momentum_scale_)));
 }
 
 }  // namespace tandem::launch

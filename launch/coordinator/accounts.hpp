@@ -13,6 +13,8 @@
 #pragma once
 
 #include <map>
+#include <string>
+#include <vector>
 
 #include "launch/coordinator/archive.hpp"
 #include "launch/coordinator/schemes.hpp"
@@ -34,12 +36,36 @@ struct WindowBalance {
   double exchanged() const;  // sum of the larger |work| of the two sides [J]
 };
 
+// The balance of momentum of the particles of one solver over the run.
+class ParticleBalance {
+ public:
+  void record(const protocol::LoadSet& load);
+  // `prefix`: of the names in a file.
+  void save_or_restore(Archive& archive, const std::string& prefix);
+
+  // Relative residual over the run so far [-], and with the errors of all windows added up by their sizes:
+  // what one window gives for another does not cancel.
+  double momentum() const;
+  double momentum_windows() const;
+  std::uint64_t micro_steps() const { return micro_steps_; }
+  double largest_micro_step() const { return largest_micro_step_; }      // [s]
+  const protocol::ParticleAccount& account() const { return account_; }  // of the last window
+
+ private:
+  Vec3d error_;           // sum over the windows [N s]
+  double error_sum_ = 0;  // sum of the sizes of the errors of the windows [N s]
+  double scale_[3] = {};  // sums of |change|, |gravity|, |loads| [N s]
+  std::uint64_t micro_steps_ = 0;
+  double largest_micro_step_ = 0;  // [s]
+  protocol::ParticleAccount account_;
+};
+
 class Accounts {
  public:
   static WindowBalance balance_of(const Exchange& exchange);
   void record(const Exchange& exchange);
-  // `bodies`: number of bodies of the scene.
-  void save_or_restore(Archive& archive, std::size_t bodies);
+  // `bodies`: number of bodies of the scene; `load_solvers`: number of solvers with particles.
+  void save_or_restore(Archive& archive, std::size_t bodies, std::size_t load_solvers);
 
   const WindowBalance& last() const { return last_; }  // of the window recorded last
   const std::map<std::uint32_t, BodyBalance>& bodies() const { return bodies_; }  // over the run, by body
@@ -48,20 +74,17 @@ class Accounts {
   double impulse_closure() const;
   double impulse_outstanding() const;
   double energy_residual() const;
-  double momentum_balance() const;
-  // The same, with the errors of all windows added up by their sizes: what one window gives for another does
-  // not cancel.
-  double momentum_balance_windows() const;
+
+  // Of one load solver, by its place in Solvers::loads.
+  const ParticleBalance& particles(std::size_t solver = 0) const;
 
   bool coupled() const { return !impulses_.empty(); }
   std::uint64_t windows() const { return windows_; }
-  std::uint64_t micro_steps() const { return micro_steps_; }
+  std::uint64_t micro_steps() const;  // of all particles
   double energy_exchanged() const {
     return energy_exchanged_;
   }                                                          // sum of the larger |work| of the two sides [J]
   double energy_created() const { return energy_created_; }  // received minus given [J]
-  double largest_micro_step() const { return largest_micro_step_; }          // [s]
-  const protocol::ParticleAccount& particles() const { return particles_; }  // of the last window
 
  private:
   struct Impulse {
@@ -75,12 +98,8 @@ class Accounts {
   std::map<std::uint32_t, BodyBalance> bodies_;  // sums
   std::map<std::uint32_t, Impulse> impulses_;    // by body
   double energy_exchanged_ = 0, energy_created_ = 0;
-  Vec3d momentum_error_;           // sum over the windows [N s]
-  double momentum_error_sum_ = 0;  // sum of the sizes of the errors of the windows [N s]
-  double momentum_scale_[3] = {};  // sums of |change|, |gravity|, |loads| [N s]
-  std::uint64_t windows_ = 0, micro_steps_ = 0;
-  double largest_micro_step_ = 0;  // [s]
-  protocol::ParticleAccount particles_;
+  std::uint64_t windows_ = 0;
+  std::vector<ParticleBalance> particles_;  // by solver, from the first window on
 };
 
 }  // namespace tandem::launch

@@ -77,10 +77,10 @@ double BodyMomentum::Sums::angular() const {
 }
 
 BodyMomentum::BodyMomentum(const scene::Scene& scene) : gravity_(scene.gravity) {
-  if (!scene.mbd || !scene.dem) return;
+  if (!scene.mbd) return;
   const scene::Mbd& mbd = *scene.mbd;
   const Driven driven = driven_by_forces(mbd);
-  for (const scene::Wall& wall : scene.dem->walls) {
+  for (const scene::Wall& wall : scene.walls()) {
     const std::uint32_t index = wall.body.value;
     if (wall.body == ground || driven.bodies.contains(index)) continue;
     Watched watched{mbd.bodies[index], {}, touches_bodies(scene, wall.body)};

@@ -18,12 +18,28 @@ namespace tandem::launch {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char *digest_of_mbd = "digest_of_mbd", *digest_of_dem = "digest_of_dem";
-constexpr const char *program_of_mbd = "program_of_mbd", *program_of_dem = "program_of_dem";
-constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5", *of_mbd = "mbd.h5",
-                     *of_dem = "dem.h5";
+constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5";
 // Version of the state of Coupler and its members, and of the marks of the row files.
 constexpr std::uint64_t state_version = 7;
+
+// "mbd.h5", and what is known of it in the file of the coordinator.
+std::string file_of(protocol::Role role) {
+  return std::string(protocol::word_of(role)) + ".h5";
+}
+std::string digest_of(protocol::Role role) {
+  return std::string("digest_of_") + protocol::word_of(role);
+}
+std::string program_of(protocol::Role role) {
+  return std::string("program_of_") + protocol::word_of(role);
+}
+
+// The solvers of the run, that of the bodies first.
+std::vector<protocol::Remote*> all_of(const Solvers& solvers) {
+  std::vector<protocol::Remote*> all;
+  if (solvers.mbd) all.push_back(solvers.mbd);
+  all.insert(all.end(), solvers.loads.begin(), solvers.loads.end());
+  return all;
+}
 
 // The marks of the row files, under the names "bodies", "joints", "elements" and "sensors".
 void save_or_restore(Archive& archive, const Results& results, std::vector<RowMark>& marks) {
@@ -92,7 +108,7 @@ std::vector<std::string> names_in(const nlohmann::json& scene, const std::string
 
 // A sentence that names the first element which only one of the two scenes has; empty where there is none.
 std::string added_or_removed(const nlohmann::json& saved, const nlohmann::json& ours) {
-  for (const std::string part : {"mbd", "dem"}) {
+  for (const std::string part : {"mbd", "dem", "sph"}) {
     if (!ours.contains(part) || !ours[part].is_object()) continue;
     for (const auto& [list, elements] : ours[part].items()) {
       const std::vector<std::string> there = names_in(saved, part, list), here = names_in(ours, part, list);
@@ -199,14 +215,14 @@ void Checkpoints::write(const Solvers& solvers, Coupler& coupler, Results& resul
 
 void Checkpoints::write_files(const fs::path& folder, const Solvers& solvers, Coupler& coupler,
                               Results& results) const {
-  if (solvers.mbd) solvers.mbd->checkpoint(order_of(coupler, folder / of_mbd));
-  if (solvers.dem) solvers.dem->checkpoint(order_of(coupler, folder / of_dem));
+  const std::vector<protocol::Remote*> all = all_of(solvers);
+  for (protocol::Remote* solver : all)
+    solver->checkpoint(order_of(coupler, folder / file_of(solver->role())));
 
   StateWriter file(folder / run_file, state_kind, state_version);
-  if (solvers.mbd) file.write(digest_of_mbd, file_digest(folder / of_mbd));
-  if (solvers.dem) file.write(digest_of_dem, file_digest(folder / of_dem));
-  if (solvers.mbd) file.write(program_of_mbd, solvers.mbd->program());
-  if (solvers.dem) file.write(program_of_dem, solvers.dem->program());
+  for (const protocol::Remote* solver : all)
+    file.write(digest_of(solver->role()), file_digest(folder / file_of(solver->role())));
+  for (const protocol::Remote* solver : all) file.write(program_of(solver->role()), solver->program());
   file.write("layout_hash", std::uint64_t{protocol::layout_hash});
   file.write("scene", physics_of(file_.text).dump());
   file.write("files", digest(file_));
@@ -249,7 +265,7 @@ std::optional<std::uint64_t> window_of(const std::string& name) {
 }
 
 // The file may belong to another run with the same time and scene.
-void expect_part(const StateReader& run, const char* name, const fs::path& path) {
+void expect_part(const StateReader& run, const std::string& name, const fs::path& path) {
   std::uint64_t digest = 0;
   run.read(name, digest);
   if (file_digest(path) != digest)
@@ -263,16 +279,17 @@ std::string name_of_program(const std::string& program) {
 }
 
 // A solver cannot read the state of another one, and some would not notice.
-void expect_program(const StateReader& run, const char* name, const protocol::Remote& solver,
-                    protocol::Role role) {
-  const std::string wrote = run.text(name);
+void expect_program(const StateReader& run, const protocol::Remote& solver) {
+  const protocol::Role role = solver.role();
+  const std::string wrote = run.text(program_of(role));
   if (name_of_program(wrote) == name_of_program(solver.program())) return;
-  throw Error(ErrorCode::usage,
-              fmt::format("its state of {} was written by {}, and here {} runs", protocol::name(role),
-                          printable(shortened(wrote)), printable(shortened(solver.program()))),
-              run.path().string(),
-              fmt::format("continue with that program ({}), or start from the begin, without --restart",
-                          role == protocol::Role::mbd ? "--mbd-server" : "--dem-server"));
+  throw Error(
+      ErrorCode::usage,
+      fmt::format("its state of {} was written by {}, and here {} runs", protocol::name(role),
+                  printable(shortened(wrote)), printable(shortened(solver.program()))),
+      run.path().string(),
+      fmt::format("continue with that program (--{}-server), or start from the begin, without --restart",
+                  protocol::word_of(role)));
 }
 
 // The folder with the row files of a checkpoint: that of its run, or the checkpoint's own where a user has
@@ -326,17 +343,15 @@ void resume(const fs::path& checkpoint, const SceneFile& scene, const Solvers& s
   if (files != digest(scene))
     throw Error(ErrorCode::scene, "is of a scene with other meshes or particle files", file.path().string(),
                 "give the files that the state was saved with");
-  if (solvers.mbd) expect_program(file, program_of_mbd, *solvers.mbd, protocol::Role::mbd);
-  if (solvers.dem) expect_program(file, program_of_dem, *solvers.dem, protocol::Role::dem);
+  const std::vector<protocol::Remote*> all = all_of(solvers);
+  for (const protocol::Remote* solver : all) expect_program(file, *solver);
   Archive archive(file);
   coupler.save_or_restore(archive);
-  const auto resume_part = [&](auto* solver, const char* digest, const char* name) {
-    if (solver == nullptr) return;
-    expect_part(file, digest, folder / name);
-    solver->resume(order_of(coupler, folder / name));
-  };
-  resume_part(solvers.mbd, digest_of_mbd, of_mbd);
-  resume_part(solvers.dem, digest_of_dem, of_dem);
+  for (protocol::Remote* solver : all) {
+    const fs::path state = folder / file_of(solver->role());
+    expect_part(file, digest_of(solver->role()), state);
+    solver->resume(order_of(coupler, state));
+  }
   std::vector<RowMark> marks;
   save_or_restore(archive, results, marks);
   results.begin_with(folder_of_rows(folder), marks);

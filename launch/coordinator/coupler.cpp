@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "common/log.hpp"
 #include "launch/coordinator/implicit.hpp"
@@ -15,7 +16,7 @@ Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
       control_(scene.coupling),
       space_(scene, Departure::straight),
       watch_(scene),
-      watching_(solvers.mbd && solvers.dem && solvers.dem->can(protocol::can_linearise)),
+      watching_(solvers.mbd && any_linearises(solvers)),
       supported_(watching_ && scene.contact && solvers.mbd->can(protocol::can_linearise)),
       body_momentum_(scene),
       motion_watch_(scene),
@@ -38,7 +39,7 @@ const Exchange& Coupler::advance(Nanoseconds limit) {
   while (!try_window(next(limit))) {
     ++counters_.rejected;
     solvers_.mbd->restore();
-    solvers_.dem->restore();
+    restore_loads(solvers_);
     exchange_ = before_;
   }
   return exchange_;
@@ -48,7 +49,7 @@ const Exchange& Coupler::advance(Nanoseconds limit) {
 bool Coupler::try_window(const Window& window) {
   if (control_.adaptive()) {
     solvers_.mbd->save();
-    solvers_.dem->save();
+    save_loads(solvers_);
     before_ = exchange_;
   }
   exchange_.held = false;
@@ -86,6 +87,11 @@ void Coupler::save_or_restore(Archive& archive) {
   archive("warnings", warnings_);
   archive("exchange/path", exchange_.path);
   archive("exchange/load", exchange_.load);
+  if (solvers_.loads.size() > 1) {
+    exchange_.parts.resize(solvers_.loads.size());
+    for (std::size_t i = 0; i < exchange_.parts.size(); ++i)
+      archive("exchange/parts/" + std::to_string(i), exchange_.parts[i]);
+  }
   archive("exchange/applied", exchange_.applied);
   archive("exchange/motion", exchange_.motion);
   archive("exchange/tangents", exchange_.tangents);
@@ -98,7 +104,7 @@ void Coupler::save_or_restore(Archive& archive) {
   archive.expect(
       now_ >= Nanoseconds{} && now_ == window_.end && (before_the_first || window_.begin < window_.end),
       "last_window", "it does not end at `time`");
-  accounts_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
+  accounts_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0, solvers_.loads.size());
   archive.expect(accounts_.windows() == windows_, "accounts/windows", "it is another number than `windows`");
   body_momentum_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
   motion_watch_.save_or_restore(archive, scene_.mbd ? scene_.mbd->bodies.size() : 0);
@@ -111,7 +117,7 @@ void Coupler::save_or_restore(Archive& archive) {
 
 void Coupler::look_at_contacts() {
   if (!watching_) return;
-  if (exchange_.tangents.time != exchange_.load.window.end) exchange_.tangents = solvers_.dem->linearise();
+  if (exchange_.tangents.time != exchange_.load.window.end) exchange_.tangents = linearise_loads(solvers_);
   const protocol::TangentSet& supports = supported_ ? solvers_.mbd->linearise() : no_supports_;
   if (const auto sentence = watch_.observe(exchange_.tangents, supports, exchange_.motion)) {
     // Adaptive windows stay below the limit because they follow the error.

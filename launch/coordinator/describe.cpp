@@ -362,6 +362,34 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
          describe_meshes(file.mesh_facts) + pairs.print() + steps + "\n";
 }
 
+// What the solver of the liquid has reported of the scene.
+std::string liquid_facts(const DryRun& started) {
+  const protocol::SphFacts& facts = started.facts.sph;
+  std::vector<std::string> parts;
+  if (facts.particles) parts.push_back(fmt::format("{} particles", *facts.particles));
+  if (facts.backend) parts.push_back("on " + *facts.backend);
+  if (facts.sound_speed) parts.push_back(fmt::format("speed of sound {:.6g} m/s", *facts.sound_speed));
+  if (facts.longest_step) parts.push_back(fmt::format("step {:.6g} s", *facts.longest_step));
+  if (facts.steps_per_window) parts.push_back(fmt::format("{} in a window", *facts.steps_per_window));
+  if (parts.empty()) return "particles and step are not reported by " + started.sph_program;
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string describe_sph(const SceneFile& file, const DryRun* started) {
+  const Scene& scene = file.scene;
+  const Sph& sph = *scene.sph;
+  Table liquids("liquid", {"name", "density [kg/m3]", "viscosity [Pa s]", "box [m]"});
+  for (const Liquid& liquid : sph.liquids)
+    for (const Box& box : liquid.fill)
+      liquids.add({liquid.name, fmt::format("{:.6g}", liquid.density),
+                   fmt::format("{:.6g}", liquid.viscosity), text(box.min) + " .. " + text(box.max)});
+  Table walls("walls of the liquid", {"name", "body", "shape [m]"});
+  for (const Wall& wall : sph.walls) walls.add({wall.name, scene.body_name(wall.body), shape(wall)});
+  return liquids.print() + walls.print() + (scene.dem ? "" : describe_meshes(file.mesh_facts)) +
+         fmt::format("\nspacing: {:.6g} m\n", sph.spacing) +
+         (started ? "solver: " + liquid_facts(*started) + "\n" : "");
+}
+
 }  // namespace
 
 std::string remarks(const SceneFile& file, const DryRun* started, const std::string& indent) {
@@ -381,9 +409,11 @@ std::string describe(const SceneFile& file, const DryRun* started) {
   std::string out = scene.name + (scene.description.empty() ? "" : ": " + scene.description) + "\n";
   if (scene.mbd) out += describe_mbd(file, started);
   if (scene.dem) out += describe_dem(file, started);
+  if (scene.sph) out += describe_sph(file, started);
   out += fmt::format("\nrun: {:.6g} s in {:.0f} windows of {:.6g} s", scene.end_time,
                      std::ceil(scene.end_time / scene.coupling.window - 1e-9), scene.coupling.window);
-  if (scene.mbd && scene.dem) out += fmt::format(", scheme {}", launch::name(scene.coupling.scheme));
+  if (scene.mbd && scene.has_particles())
+    out += fmt::format(", scheme {}", launch::name(scene.coupling.scheme));
   out += fmt::format("; {} checks\n", scene.checks.size());
   const std::string lines = remarks(file, started);
   return lines.empty() ? out : out + "\n" + lines;

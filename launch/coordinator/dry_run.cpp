@@ -19,7 +19,8 @@ using protocol::Role;
 
 std::vector<std::string> DryRun::warnings() const {
   std::vector<std::string> all = facts.mbd.warnings.value_or(std::vector<std::string>{});
-  if (facts.dem.warnings) all.insert(all.end(), facts.dem.warnings->begin(), facts.dem.warnings->end());
+  for (const auto& more : {facts.dem.warnings, facts.sph.warnings})
+    if (more) all.insert(all.end(), more->begin(), more->end());
   return all;
 }
 
@@ -35,7 +36,10 @@ DryRun dry_run(const SceneFile& file, const RunOptions& options) {
     participants = std::make_unique<Participants>(options, file.scene, foreign, log, nullptr);
     const Solvers solvers = participants->solvers();
     const auto take_hello = [&](Role role, const protocol::Hello& hello) {
-      (role == Role::mbd ? result.mbd_program : result.dem_program) = printable(shortened(hello.program));
+      std::string& program = role == Role::mbd   ? result.mbd_program
+                             : role == Role::dem ? result.dem_program
+                                                 : result.sph_program;
+      program = printable(shortened(hello.program));
     };
     configure(solvers, file, options, {}, take_hello, [&](Role role, const std::string& facts) {
       protocol::decode_facts(role, facts, result.facts);

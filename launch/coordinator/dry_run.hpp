@@ -10,8 +10,8 @@ namespace tandem::launch {
 // nothing.
 struct DryRun {
   protocol::SolverFacts facts;
-  std::string mbd_program, dem_program;       // as the solvers name themselves: "mbd_server 0.1.0"
-  std::vector<std::string> warnings() const;  // of both
+  std::string mbd_program, dem_program, sph_program;  // as the solvers name themselves: "mbd_server 0.1.0"
+  std::vector<std::string> warnings() const;          // of all
 };
 
 // Throws the Error with which `tandem run` would end before its first window. Leaves no folder and no

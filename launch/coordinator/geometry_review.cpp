@@ -50,16 +50,15 @@ Radii radii_of(const Dem& dem) {
 
 // ---- units
 
-const Wall& wall_of(const ImportedMesh& mesh, const Dem& dem) {
-  return *std::find_if(dem.walls.begin(), dem.walls.end(),
-                       [&](const Wall& wall) { return wall.name == mesh.wall; });
+const Wall& wall_of(const ImportedMesh& mesh, const std::vector<Wall>& walls) {
+  return *std::ranges::find(walls, mesh.wall, &Wall::name);
 }
 
 // Whether the bounding box of some triangle, in the pose of the start, intersects the domain.
 bool reaches(const TriangleMesh& mesh, const Wall& wall, const Scene& scene) {
   const Pose body = wall.body == ground ? Pose{} : scene.mbd->bodies[wall.body.value].pose;
   const Pose placed{body.p_WB + body.q_WB.rotate(wall.pose.p_WB), body.q_WB * wall.pose.q_WB};
-  const auto& [min, max] = scene.dem->domain;
+  const auto [min, max] = scene.domain();
   return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& triangle) {
     Vec3d corners[3];
     for (int i = 0; i < 3; ++i) corners[i] = placed.p_WB + placed.q_WB.rotate(mesh.vertices[triangle[i]]);
@@ -110,12 +109,14 @@ Vec3d extent_of(const Mbd& mbd) {
 void review_units(const SceneFile& file, std::vector<std::string>& warnings) {
   const Scene& scene = file.scene;
   const double machine = scene.mbd ? largest(extent_of(*scene.mbd)) : 0;
-  if (scene.dem) {
-    const double domain = largest(scene.dem->domain.max - scene.dem->domain.min);
-    const double smallest = radii_of(*scene.dem).smallest;
+  if (scene.has_particles()) {
+    const Box box = scene.domain();
+    const double domain = largest(box.max - box.min);
+    const double smallest = scene.dem ? radii_of(*scene.dem).smallest : Radii().smallest;
+    const std::vector<Wall> walls = scene.walls();
     for (std::size_t i = 0; i < file.mesh_facts.size(); ++i) {
       const ImportedMesh& mesh = file.mesh_facts[i];
-      const Wall& wall = wall_of(mesh, *scene.dem);
+      const Wall& wall = wall_of(mesh, walls);
       const bool is_there = reaches(file.meshes[i].mesh, wall, scene);
       review_unit(mesh, wall.body == ground, is_there, domain, std::isfinite(smallest) ? 2 * smallest : 0,
                   warnings);
@@ -242,7 +243,7 @@ std::vector<std::size_t> welded(const Mbd& mbd) {
 }
 
 void review_contact(const Scene& scene, std::vector<std::string>& notes) {
-  if (!scene.mbd || !scene.dem) return;
+  if (!scene.mbd || !scene.has_particles()) return;
   const Mbd& mbd = *scene.mbd;
   const std::vector<std::size_t> group = welded(mbd);
   const auto group_of = [&](BodyId body) { return group[index_of(body, mbd)]; };
@@ -265,8 +266,9 @@ void review_contact(const Scene& scene, std::vector<std::string>& notes) {
   };
 
   // The first wall of each group, starting with the ground's.
+  const std::vector<Wall> all = scene.walls();
   std::map<std::size_t, const Wall*> walls;
-  for (const Wall& wall : scene.dem->walls) walls.try_emplace(group_of(wall.body), &wall);
+  for (const Wall& wall : all) walls.try_emplace(group_of(wall.body), &wall);
   std::vector<const Wall*> movers;
   for (const auto& [key, wall] : walls) movers.push_back(wall);
   std::stable_partition(movers.begin(), movers.end(),

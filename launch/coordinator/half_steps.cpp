@@ -37,7 +37,7 @@ SceneFile with_half_steps(const SceneFile& file) {
     // The solver takes a whole number of steps per window. The margin prevents round-off from adding one.
     integrator["step"] = window / (2 * std::ceil(window / step * (1 - 1e-9)));
   }
-  if (file.scene.dem) {
+  if (file.scene.has_particles()) {
     json["output"]["particles"] = false;
     for (const char* of_spheres : {"fields", "wall_fields", "contacts"}) json["output"].erase(of_spheres);
   }

@@ -24,7 +24,7 @@ Implicit::Implicit(const scene::Scene& scene, const Solvers& solvers)
 
 void Implicit::advance(const Window& window, Exchange& exchange) {
   solvers_.mbd->save();
-  solvers_.dem->save();
+  save_loads(solvers_);
   predict_path(solvers_, how_.path, window, exchange);
   const protocol::MotionSet predicted = exchange.path;
   Eigen::VectorXd x =
@@ -32,8 +32,8 @@ void Implicit::advance(const Window& window, Exchange& exchange) {
   double first = 0;  // residual [m]
 
   for (exchange.iterations = 1;; ++exchange.iterations) {
-    solvers_.dem->start_advance(exchange.path);
-    exchange.load = solvers_.dem->finish_load();
+    start_loads(solvers_, exchange.path);
+    finish_loads(solvers_, exchange);
     exchange.applied = shaped(exchange.load, how_.load);
     solvers_.mbd->start_advance(exchange.applied);
     exchange.motion = solvers_.mbd->finish_motion();
@@ -47,7 +47,7 @@ void Implicit::advance(const Window& window, Exchange& exchange) {
       give_up(window, image - x, allowed, exchange);
 
     solvers_.mbd->restore();
-    solvers_.dem->restore();
+    restore_loads(solvers_);
     x = accelerator_->next(x, image);
     exchange.path = space_.moved(predicted, x);
   }

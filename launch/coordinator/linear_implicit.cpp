@@ -30,9 +30,9 @@ LinearImplicit::LinearImplicit(const scene::Scene& scene, const Solvers& solvers
 
 void LinearImplicit::advance(const Window& window, Exchange& exchange) {
   predict_path(solvers_, how_.path, window, exchange);
-  solvers_.dem->start_advance(exchange.path);
-  exchange.load = solvers_.dem->finish_load();
-  exchange.tangents = solvers_.dem->linearise();
+  start_loads(solvers_, exchange.path);
+  finish_loads(solvers_, exchange);
+  exchange.tangents = linearise_loads(solvers_);
 
   // The particle side is replaced by its tangent; only the bodies repeat the window.
   solvers_.mbd->save();

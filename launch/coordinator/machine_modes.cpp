@@ -73,7 +73,7 @@ std::string meaning(const scene::Scene& scene, const mbd::Modes& found) {
         "{:.3g} steps of the integrator ({:.4g} s), of which 20 resolve it to about 1 %; "
         "with fewer it is damped numerically.",
         period / step, step);
-  if (scene.dem)
+  if (scene.has_particles())
     text += fmt::format(
         " A window of {:.4g} s is {:.3g} of it; modes of bodies that the particles touch want "
         "windows of a twentieth of their period at most.",

@@ -43,7 +43,7 @@ std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
   if (scene.mbd && !scene::control_inputs(*scene.mbd).empty())
     needs.push_back({protocol::can_control, "an actuator with an input",
                      "give the actuators a function of time instead of an input"});
-  if (!scene.dem) return needs;
+  if (!scene.has_particles()) return needs;
   const scene::Coupling& how = scene.coupling;
   const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
   // The path of a window is predicted by `predict`, or by `extrapolate` where it is quadratic.
@@ -60,19 +60,10 @@ std::vector<Need> needs_of_mbd(const scene::Scene& scene) {
   return needs;
 }
 
-std::vector<Need> needs_of_dem(const scene::Scene& scene) {
+// Of a solver with particles, with those of its own outputs.
+std::vector<Need> needs_of_load_solver(const scene::Scene& scene, const std::vector<Need>& own) {
   std::vector<Need> needs{{protocol::can_window_mean, "every scene with particles", ""}};
-  if (!scene.dem->sensors.empty())
-    needs.push_back({protocol::can_measure, "dem.sensors", "leave out dem.sensors"});
-  for (const scene::SphereField field : {scene::SphereField::contact_count, scene::SphereField::mean_stress})
-    if (const std::string_view name = scene::sphere_field_names[static_cast<std::size_t>(field)];
-        scene.output.has(field))
-      needs.push_back({protocol::can_observe_contacts, fmt::format("output.fields '{}'", name),
-                       fmt::format("leave '{}' out of output.fields", name)});
-  if (!scene.output.contacts.empty())
-    needs.push_back({protocol::can_observe_contacts, "output.contacts", "leave out output.contacts"});
-  if (!scene.output.wall_fields.empty())
-    needs.push_back({protocol::can_observe_walls, "output.wall_fields", "leave out output.wall_fields"});
+  needs.insert(needs.end(), own.begin(), own.end());
   if (!scene.mbd) return needs;
   const scene::Coupling& how = scene.coupling;
   const std::string scheme = fmt::format("scheme '{}'", name(how.scheme));
@@ -82,6 +73,24 @@ std::vector<Need> needs_of_dem(const scene::Scene& scene) {
   if (how.adaptive)
     needs.push_back({protocol::can_rollback, "coupling.adaptive", "leave out coupling.adaptive"});
   return needs;
+}
+
+std::vector<Need> needs_of_dem(const scene::Scene& scene) {
+  std::vector<Need> needs;
+  const auto add = [&](protocol::Capability capability, const std::string& by, const std::string& remedy) {
+    needs.push_back({capability, by, remedy});
+  };
+  if (!scene.dem->sensors.empty()) add(protocol::can_measure, "dem.sensors", "leave out dem.sensors");
+  for (const scene::SphereField field : {scene::SphereField::contact_count, scene::SphereField::mean_stress})
+    if (const std::string_view name = scene::sphere_field_names[static_cast<std::size_t>(field)];
+        scene.output.has(field))
+      add(protocol::can_observe_contacts, fmt::format("output.fields '{}'", name),
+          fmt::format("leave '{}' out of output.fields", name));
+  if (!scene.output.contacts.empty())
+    add(protocol::can_observe_contacts, "output.contacts", "leave out output.contacts");
+  if (!scene.output.wall_fields.empty())
+    add(protocol::can_observe_walls, "output.wall_fields", "leave out output.wall_fields");
+  return needs_of_load_solver(scene, needs);
 }
 
 bool valid(const scene::Scene& scene) {
@@ -100,13 +109,18 @@ void add_once(std::vector<std::string>& list, const std::string& text) {
 }  // namespace
 
 std::vector<Need> needs_of(Role role, const scene::Scene& scene) {
-  return role == Role::mbd ? needs_of_mbd(scene) : needs_of_dem(scene);
+  switch (role) {
+    case Role::mbd:
+      return needs_of_mbd(scene);
+    case Role::dem:
+      return needs_of_dem(scene);
+    case Role::sph:
+      break;
+  }
+  return needs_of_load_solver(scene, {});
 }
-std::uint64_t needed_of_mbd(const scene::Scene& scene) {
-  return bits_of(needs_of_mbd(scene));
-}
-std::uint64_t needed_of_dem(const scene::Scene& scene) {
-  return bits_of(needs_of_dem(scene));
+std::uint64_t needed_of(Role role, const scene::Scene& scene) {
+  return bits_of(needs_of(role, scene));
 }
 
 std::string in_words(protocol::Capability capability) {
@@ -135,14 +149,15 @@ std::string in_words(protocol::Capability capability) {
       return "the contacts of the spheres in frames";
     case protocol::can_snapshot:
       return "frames that are prepared during the next window (snapshot)";
+    case protocol::can_observe_liquid:
+      return "pressure and density of the liquid in frames";
     case protocol::can_observe_walls:
       return "the forces on triangles of walls in frames";
   }
   return "an unknown capability";
 }
 
-std::vector<std::string> possible_schemes(const scene::Scene& scene, std::uint64_t of_mbd,
-                                          std::uint64_t of_dem) {
+std::vector<std::string> possible_schemes(const scene::Scene& scene, const std::vector<Offer>& offers) {
   std::vector<std::string> names;
   for (const scene::Scheme scheme :
        {scene::Scheme::parallel, scene::Scheme::mbd_first, scene::Scheme::dem_first,
@@ -151,8 +166,10 @@ std::vector<std::string> possible_schemes(const scene::Scene& scene, std::uint64
     other.coupling.scheme = scheme;
     // Its settings belong to scheme `implicit`, and leave with it.
     if (scheme != scene::Scheme::implicit) other.coupling.iteration.reset();
-    const std::uint64_t missing = (needed_of_mbd(other) & ~of_mbd) | (needed_of_dem(other) & ~of_dem);
-    if (missing == 0 && valid(other)) names.emplace_back(name(scheme));
+    const bool offered = std::ranges::all_of(offers, [&](const Offer& offer) {
+      return (needed_of(offer.role, other) & ~offer.capabilities) == 0;
+    });
+    if (offered && valid(other)) names.emplace_back(name(scheme));
   }
   return names;
 }
@@ -162,9 +179,7 @@ void expect_capabilities(const scene::Scene& scene, const std::vector<Need>& bes
   std::vector<std::string> sentences, remedies;
   bool of_scheme = false;        // whether another scheme may help
   scene::Scene without = scene;  // the scene without the settings that have to be left out
-  std::uint64_t of_mbd = 0, of_dem = 0;
   for (const Offer& offer : offers) {
-    (offer.role == Role::mbd ? of_mbd : of_dem) = offer.capabilities;
     std::vector<Need> needs = needs_of(offer.role, scene);
     needs.insert(needs.end(), besides.begin(), besides.end());
     for (const Need& need : needs) {
@@ -180,7 +195,7 @@ void expect_capabilities(const scene::Scene& scene, const std::vector<Need>& bes
   }
   if (sentences.empty()) return;
   if (of_scheme) {
-    const std::vector<std::string> schemes = possible_schemes(without, of_mbd, of_dem);
+    const std::vector<std::string> schemes = possible_schemes(without, offers);
     if (!schemes.empty())
       remedies.push_back(fmt::format("these schemes are possible: {}", fmt::join(schemes, ", ")));
     else if (remedies.empty())

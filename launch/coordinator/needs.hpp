@@ -20,8 +20,7 @@ struct Need {
 // Only what the scheme and the other settings use: `mbd_first` predicts nothing.
 std::vector<Need> needs_of(protocol::Role role, const scene::Scene& scene);
 // The same as bits.
-std::uint64_t needed_of_mbd(const scene::Scene& scene);
-std::uint64_t needed_of_dem(const scene::Scene& scene);
+std::uint64_t needed_of(protocol::Role role, const scene::Scene& scene);
 
 // "rollback (save and restore)"
 std::string in_words(protocol::Capability capability);
@@ -33,9 +32,8 @@ struct Offer {
   std::uint64_t capabilities = 0;
 };
 
-// Names of the schemes that run with these capabilities, and with which the scene's other settings are valid.
-std::vector<std::string> possible_schemes(const scene::Scene& scene, std::uint64_t of_mbd,
-                                          std::uint64_t of_dem);
+// Names of the schemes that run with these participants, and with which the scene's other settings are valid.
+std::vector<std::string> possible_schemes(const scene::Scene& scene, const std::vector<Offer>& offers);
 
 // A scene that the solvers of the run cannot run.
 struct UnmetNeed : Error {

@@ -47,7 +47,7 @@ struct RunOptions {
   // Silence after which a peer is lost; empty: default of the transport.
   std::optional<std::chrono::milliseconds> lease;
   // Commands of servers that replace ours; absent: those of the scene, or ours.
-  std::optional<std::string> mbd_server, dem_server;
+  std::optional<std::string> mbd_server, dem_server, sph_server;
   bool allow_scene_servers = false;  // whether commands of the scene are started
   std::string controller;            // command of the control program; empty: none
   double checkpoint_every = 0;       // simulated time between restart files [s]; 0: none

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <random>
@@ -19,6 +20,7 @@
 #include "protocol/secret.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/stream/stream_channel.hpp"
+#include "sph_server/coupling/make_solver.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -85,6 +87,18 @@ std::packaged_task<int()> server_task(std::unique_ptr<protocol::Channel> channel
   });
 }
 
+std::packaged_task<int()> own_server_task(std::unique_ptr<protocol::Channel> channel, Role role) {
+  switch (role) {
+    case Role::mbd:
+      return server_task(std::move(channel), role, mbd::make_solver);
+    case Role::dem:
+      return server_task(std::move(channel), role, dem::make_solver);
+    case Role::sph:
+      break;
+  }
+  return server_task(std::move(channel), role, sph::make_solver);
+}
+
 }  // namespace
 
 Participants::Participants(const RunOptions& options, const scene::Scene& scene,
@@ -134,6 +148,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   std::vector<Role> roles;
   if (scene.mbd) roles.push_back(Role::mbd);
   if (scene.dem) roles.push_back(Role::dem);
+  if (scene.sph) roles.push_back(Role::sph);
   for (const Role role : roles) {
     auto participant = std::make_unique<Participant>();
     participant->role = role;
@@ -155,8 +170,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     };
     if (options.transport == Transport::inproc) {
       auto [own, theirs] = protocol::create_inproc(program);
-      auto task = role == Role::mbd ? server_task(std::move(theirs), role, mbd::make_solver)
-                                    : server_task(std::move(theirs), role, dem::make_solver);
+      auto task = own_server_task(std::move(theirs), role);
       participant->thread_done = task.get_future();
       participant->thread = std::thread(std::move(task));
       channel = std::move(own);
@@ -235,18 +249,14 @@ Participants::~Participants() {
     if (participant->process) participant->process->ending(500ms);
 }
 
-const Participants::Participant* Participants::find(Role role) const {
-  for (const auto& participant : participants_)
-    if (participant->role == role) return participant.get();
-  return nullptr;
-}
-
 Solvers Participants::solvers() const {
-  const auto remote = [this](Role role) {
-    const Participant* participant = find(role);
-    return participant ? participant->remote.get() : nullptr;
-  };
-  return {remote(Role::mbd), remote(Role::dem)};
+  Solvers solvers;
+  for (const auto& participant : participants_)
+    if (participant->role == Role::mbd)
+      solvers.mbd = participant->remote.get();
+    else
+      solvers.loads.push_back(participant->remote.get());
+  return solvers;
 }
 
 void Participants::fail(const Error& error) noexcept {
@@ -270,16 +280,20 @@ std::optional<Participants::Death> Participants::death(std::chrono::milliseconds
   return {};
 }
 
-// The log is shared: lines that this program and our other server wrote are not its words. Nor is the advice
+// The log is shared: lines that this program and our other servers wrote are not its words. Nor is the advice
 // of the kit's command line after an error.
 std::string Participants::last_words(Role role) const {
   std::ifstream file(log_, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(log_begin_));
-  const std::string other = protocol::name(role == Role::mbd ? Role::dem : Role::mbd);
+  const auto is_of_another = [role](const std::string& line) {
+    return is_line_of(line, "tandem") || std::ranges::any_of(protocol::all_roles, [&](Role other) {
+             return other != role && is_line_of(line, protocol::name(other));
+           });
+  };
   std::string line, last;
   while (std::getline(file, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos && !is_line_of(line, "tandem") &&
-        !is_line_of(line, other) && line != "Run with --help for more information.")
+    if (line.find_first_not_of(" \t\r") != std::string::npos && !is_of_another(line) &&
+        line != "Run with --help for more information.")
       last = line;
   return printable(shortened(last, 300));
 }

@@ -56,8 +56,6 @@ class Participants {
     bool foreign = false;
   };
 
-  const Participant* find(protocol::Role role) const;
-
   std::string last_words(protocol::Role role) const;
 
   std::vector<std::unique_ptr<Participant>> participants_;

@@ -134,8 +134,11 @@ class Run {
   void begin_frame();
   void fetch_frame();
   void set_next_frame();
+  bool frames_have(Role role) const;
+  bool can_snapshot() const;
   using ParticleCheck = std::function<void(const protocol::ParticlesFrame&)>;
   ParticleCheck check_of_frame();
+  const Exchange& of_grains();
   void write_checkpoint();
   void write_interim_summary();
   std::uint64_t spheres_there() const;
@@ -162,6 +165,7 @@ class Run {
   std::unique_ptr<Participants> participants_;
   Solvers solvers_;
   std::optional<Coupler> coupler_;
+  Exchange grains_;  // of the last window, where a liquid is there as well
   Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
@@ -194,7 +198,7 @@ void Run::start() {
     besides.push_back({protocol::can_checkpoint, "--restart", "start from the begin, without --restart"});
   // Finds the spheres of the scene while the solver does the same.
   std::future<std::unique_ptr<ParticleWatch>> watch;
-  if (solvers_.dem)
+  if (solvers_.of(Role::dem))
     watch = std::async(std::launch::async | std::launch::deferred,
                        [this] { return std::make_unique<ParticleWatch>(file_); });
   const StartOfSolvers at_start = configure(
@@ -204,7 +208,7 @@ void Run::start() {
   if (solvers_.mbd && solvers_.mbd->can(protocol::can_observe_elements)) results_.add_elements();
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(at_start);
-  if (solvers_.dem) {
+  if (scene_.dem) {
     particle_watch_ = watch.get();
     wall_load_watch_.emplace(scene_);
     sphere_watch_.emplace(scene_, particle_watch_->spheres());
@@ -241,13 +245,15 @@ void Run::advance() {
     phase_ = fmt::format("in window {} (t = {:.6g} s)", coupler_->accounts().windows(), to_seconds(now_));
     if (control_)
       solvers_.mbd->control(
-          control_->request(now_, *bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr));
+          control_->request(now_, *bodies_, scene_.has_particles() ? &coupler_->exchange().load : nullptr));
     coupler_->advance(limit);
     now_ = coupler_->now();
     if (begun_frame_ && (++begun_frame_->windows == windows_of_a_frame || now_ >= next_frame_)) fetch_frame();
-    if (particle_watch_) particle_watch_->record(coupler_->exchange());
-    if (wall_load_watch_) wall_load_watch_->record(coupler_->exchange());
-    if (sphere_watch_) sphere_watch_->record(coupler_->exchange());
+    if (scene_.dem) {
+      particle_watch_->record(of_grains());
+      wall_load_watch_->record(of_grains());
+      sphere_watch_->record(of_grains());
+    }
     window_log_.write(*coupler_);
     observe();
     if (now_ >= next_frame_) now_ < end_ ? begin_frame() : write_frame();
@@ -271,7 +277,7 @@ void Run::finish() {
   phase_ = fmt::format("after the last window (t = {:.6g} s)", to_seconds(now_));
   participants_->expect_leaving();
   if (solvers_.mbd) summary_.add_facts(Role::mbd, solvers_.mbd->finish().facts);
-  if (solvers_.dem) summary_.add_facts(Role::dem, solvers_.dem->finish().facts);
+  for (protocol::Remote* solver : solvers_.loads) summary_.add_facts(solver->role(), solver->finish().facts);
   summary_.set_leaving(participants_->leave());
   solvers_ = {};
   participants_.reset();
@@ -352,7 +358,8 @@ void Run::observe() {
     if (now_ == Nanoseconds{}) StartOfBodies(scene_).expect(bodies_->bodies);
     walls_.observe(to_seconds(now_), bodies_->bodies, now_ >= end_);
   }
-  if (now_ > begin_) results_.record(now_, bodies_, solvers_.dem ? &coupler_->exchange().load : nullptr);
+  if (now_ > begin_)
+    results_.record(now_, bodies_, scene_.has_particles() ? &coupler_->exchange().load : nullptr);
   stopwatch_.end_output(solvers_);
 }
 
@@ -364,7 +371,7 @@ Run::ParticleCheck Run::check_of_frame() {
     sphere_watch_->check(spheres, of_spheres);
   };
   if (now_ == begin_) return check;
-  return [this, check, exchange = coupler_->exchange()](const protocol::ParticlesFrame& spheres) {
+  return [this, check, exchange = of_grains()](const protocol::ParticlesFrame& spheres) {
     check(spheres);
     wall_load_watch_->observe(spheres, exchange);
   };
@@ -373,10 +380,10 @@ Run::ParticleCheck Run::check_of_frame() {
 void Run::write_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
-  const bool particles = solvers_.dem != nullptr && scene_.output.particles;
-  protocol::ParticlesFrame* frame = particles ? &results_.particles_to_write() : nullptr;
+  if (frames_have(Role::sph)) solvers_.of(Role::sph)->observe_particles(now_, results_.liquid_to_write());
+  protocol::ParticlesFrame* frame = frames_have(Role::dem) ? &results_.particles_to_write() : nullptr;
   if (frame) {
-    solvers_.dem->observe_particles(now_, *frame);
+    solvers_.of(Role::dem)->observe_particles(now_, *frame);
     particle_watch_->expect_start(*frame);
     sphere_watch_->begin(*frame);
   }
@@ -386,11 +393,11 @@ void Run::write_frame() {
 }
 
 void Run::begin_frame() {
-  if (!solvers_.dem || !scene_.output.particles || !solvers_.dem->can(protocol::can_snapshot))
-    return write_frame();
+  if (!can_snapshot()) return write_frame();
   stopwatch_.begin_output(solvers_);
-  solvers_.dem->snapshot(now_);
-  begun_frame_ = {now_, bodies_ ? std::optional(*bodies_) : std::nullopt, check_of_frame(), 0};
+  for (protocol::Remote* solver : solvers_.loads) solver->snapshot(now_);
+  begun_frame_ = {now_, bodies_ ? std::optional(*bodies_) : std::nullopt,
+                  scene_.dem ? check_of_frame() : ParticleCheck(), 0};
   set_next_frame();
   stopwatch_.end_output(solvers_);
 }
@@ -400,14 +407,42 @@ void Run::fetch_frame() {
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   const BegunFrame begun = *std::exchange(begun_frame_, {});
-  protocol::ParticlesFrame& frame = results_.particles_to_write();  // waits until received_ is free
-  solvers_.dem->receive_particles(begun.time, received_);
-  results_.write_frame(begun.time, begun.bodies ? &*begun.bodies : nullptr, &frame,
-                       [this, check = begun.check](protocol::ParticlesFrame& spheres) {
-                         received_.read(spheres);
-                         check(spheres);
-                       });
+  if (scene_.sph) solvers_.of(Role::sph)->observe_particles(begun.time, results_.liquid_to_write());
+  protocol::ParticlesFrame* frame = nullptr;
+  Results::PrepareParticles prepare;
+  if (scene_.dem) {
+    frame = &results_.particles_to_write();  // waits until received_ is free
+    solvers_.of(Role::dem)->receive_particles(begun.time, received_);
+    prepare = [this, check = begun.check](protocol::ParticlesFrame& spheres) {
+      received_.read(spheres);
+      check(spheres);
+    };
+  }
+  results_.write_frame(begun.time, begun.bodies ? &*begun.bodies : nullptr, frame, prepare);
   stopwatch_.end_output(solvers_);
+}
+
+// Whether frames have the particles of this solver.
+bool Run::frames_have(Role role) const {
+  return scene_.output.particles && solvers_.of(role) != nullptr;
+}
+
+// Whether frames can be fetched some windows later, from all that have particles.
+bool Run::can_snapshot() const {
+  return scene_.output.particles && !solvers_.loads.empty() &&
+         std::ranges::all_of(solvers_.loads, [](const protocol::Remote* solver) {
+           return solver->can(protocol::can_snapshot);
+         });
+}
+
+// The exchange of the last window with the loads of the grains alone.
+const Exchange& Run::of_grains() {
+  const Exchange& all = coupler_->exchange();
+  if (all.parts.empty()) return all;
+  grains_ = all;
+  grains_.load = std::move(grains_.parts.front());
+  grains_.parts.clear();
+  return grains_;
 }
 
 void Run::set_next_frame() {
@@ -425,14 +460,15 @@ void Run::write_checkpoint() {
   stopwatch_.end_output(solvers_);
 }
 
-// Number of spheres in the domain. With inlets or outlets the solver reports it at the end only: 0 until
-// then, and where it does not report it at all.
+// Number of particles in the domain. With inlets or outlets the solver of grains reports it at the end only:
+// 0 until then, and where it does not report it at all.
 std::uint64_t Run::spheres_there() const {
+  if (scene_.sph) return scene_.dem ? 0 : summary_.facts().sph.particles.value_or(0);
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
     if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
   const std::uint64_t spheres = summary_.facts().dem.spheres.value_or(0),
-                      lost = coupler_->accounts().particles().lost_particles;
+                      lost = coupler_->accounts().particles().account().lost_particles;
   return spheres > lost ? spheres - lost : 0;
 }
 
@@ -445,7 +481,8 @@ void Run::fill(Summary& summary) const {
   const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(
       *coupler_, now_, stopwatch_.wall(),
-      stopwatch_.split(facts.mbd.solver_seconds.value_or(0), facts.dem.solver_seconds.value_or(0)));
+      stopwatch_.split(facts.mbd.solver_seconds.value_or(0), facts.dem.solver_seconds.value_or(0),
+                       facts.sph.solver_seconds.value_or(0)));
 }
 
 // For readers of a run that is in progress or has died. Uses a copy, because warnings with figures are those

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "common/input_file.hpp"
@@ -51,6 +52,10 @@ void apply(const Overrides& overrides, SceneFile& file) {
 // Of round shapes in pictures and frames.
 constexpr int drawn_segments = 64;
 
+bool is_there(const std::string& wall, const SceneFile& file) {
+  return std::ranges::find(file.meshes, wall, &protocol::NamedMesh::name) != file.meshes.end();
+}
+
 // Reads the files of the shapes, and leaves the triangles of those that bodies are made of in the order of
 // the shapes. The triangles of the others, which may be many, are in file.meshes only.
 std::vector<TriangleMesh> import_meshes(const std::filesystem::path& folder, SceneFile& file) {
@@ -62,6 +67,7 @@ std::vector<TriangleMesh> import_meshes(const std::filesystem::path& folder, Sce
     const double scale = scene::scale_of(shape.geometry);
     meshes[i] = import_mesh(scene::resolve_file(name, folder), scale);
     if (shape.use != scene::ShapeUse::wall || scene::is_made_of_facets(shape.geometry)) continue;
+    if (is_there(shape.name, file)) continue;  // it is of grains and of the liquid
     file.mesh_facts.push_back({shape.name, name, scale, facts_of(meshes[i])});
     if (shape.is_of_body)
       file.meshes.push_back({shape.name, meshes[i]});
@@ -80,7 +86,7 @@ void make_facets(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
       file.notes.push_back(
           fmt::format("wall \"{}\" is a {} of flat faces, which are up to {:.3g} m inside the round surface",
                       shape.name, scene::name_of(shape.geometry), deviation));
-    if (scene::is_made_of_facets(shape.geometry))
+    if (scene::is_made_of_facets(shape.geometry) && !is_there(shape.name, file))
       file.meshes.push_back({shape.name, scene::mesh_of(shape, in_files[i], drawn_segments, file.origin)});
   }
 }
@@ -185,6 +191,12 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   };
   if (file.scene.mbd) note_server("mbd.server", "mbd_server", file.scene.mbd->server);
   if (file.scene.dem) note_server("dem.server", "dem_server", file.scene.dem->server);
+  if (file.scene.sph) note_server("sph.server", "sph_server", file.scene.sph->server);
+  if (file.scene.dem && file.scene.sph)
+    file.notes.emplace_back(
+        "grains and liquid do not feel each other: both act on the same walls, and each is computed as if "
+        "the "
+        "other was not there");
   return file;
 }
 

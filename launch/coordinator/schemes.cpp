@@ -57,11 +57,11 @@ void parallel(const Solvers& solvers, const scene::Coupling& how, const Window& 
   predict_path(solvers, how.path, window, exchange);
   hold_load(how, window, exchange);
 
-  solvers.dem->start_advance(exchange.path);
+  start_loads(solvers, exchange.path);
   solvers.mbd->start_advance(exchange.applied);
 
   exchange.motion = solvers.mbd->finish_motion();
-  exchange.load = solvers.dem->finish_load();
+  finish_loads(solvers, exchange);
 }
 
 // The bodies move under the load of the previous window; the particles follow the path that the bodies took.
@@ -71,8 +71,8 @@ void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window&
   exchange.motion = solvers.mbd->finish_motion();
 
   exchange.path = exchange.motion;
-  solvers.dem->start_advance(exchange.path);
-  exchange.load = solvers.dem->finish_load();
+  start_loads(solvers, exchange.path);
+  finish_loads(solvers, exchange);
 }
 
 // The particles follow the predicted path and return their mean load; the bodies integrate the SAME window
@@ -80,8 +80,8 @@ void mbd_first(const Solvers& solvers, const scene::Coupling& how, const Window&
 void dem_first(const Solvers& solvers, const scene::Coupling& how, const Window& window, Exchange& exchange) {
   predict_path(solvers, how.path, window, exchange);
 
-  solvers.dem->start_advance(exchange.path);
-  exchange.load = solvers.dem->finish_load();
+  start_loads(solvers, exchange.path);
+  finish_loads(solvers, exchange);
 
   exchange.applied = shaped(exchange.load, how.load);
   solvers.mbd->start_advance(exchange.applied);
@@ -96,15 +96,15 @@ void mbd_alone(const Solvers& solvers, const scene::Coupling&, const Window& win
 
 void dem_alone(const Solvers& solvers, const scene::Coupling&, const Window& window, Exchange& exchange) {
   exchange.path.window = window;
-  solvers.dem->start_advance(exchange.path);
-  exchange.load = solvers.dem->finish_load();
+  start_loads(solvers, exchange.path);
+  finish_loads(solvers, exchange);
 }
 
 std::unique_ptr<Scheme> make_scheme(const scene::Scene& scene, const Solvers& solvers) {
   const auto without_memory = [&](auto advance) {
     return std::make_unique<Memoryless>(solvers, scene.coupling, advance);
   };
-  if (!solvers.dem) return without_memory(mbd_alone);
+  if (solvers.loads.empty()) return without_memory(mbd_alone);
   if (!solvers.mbd) return without_memory(dem_alone);
   switch (scene.coupling.scheme) {
     case scene::Scheme::parallel:

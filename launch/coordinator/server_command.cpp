@@ -19,11 +19,23 @@ namespace fs = std::filesystem;
 using protocol::Role;
 
 struct Names {
-  const char *option, *key, *part;
+  std::string option, key, part;
 };
 Names names_of(Role role) {
-  if (role == Role::mbd) return {"--mbd-server", "mbd.server", "bodies"};
-  return {"--dem-server", "dem.server", "particles"};
+  const std::string word = protocol::word_of(role);
+  const char* part = role == Role::mbd ? "bodies" : role == Role::dem ? "particles" : "liquid";
+  return {"--" + word + "-server", word + ".server", part};
+}
+
+// Whether the scene has what a server of this role computes, and the command that the scene names for it.
+bool has_part(Role role, const scene::Scene& scene) {
+  return role == Role::mbd   ? scene.mbd.has_value()
+         : role == Role::dem ? scene.dem.has_value()
+                             : scene.sph.has_value();
+}
+
+const std::optional<std::string>& option_of(Role role, const RunOptions& options) {
+  return role == Role::mbd ? options.mbd_server : role == Role::dem ? options.dem_server : options.sph_server;
 }
 
 // Empty where the file can be executed; otherwise why not.
@@ -71,6 +83,7 @@ std::string server_of_scene(Role role, const scene::Scene& scene) {
   std::string server;
   if (role == Role::mbd && scene.mbd) server = scene.mbd->server;
   if (role == Role::dem && scene.dem) server = scene.dem->server;
+  if (role == Role::sph && scene.sph) server = scene.sph->server;
   return server == protocol::name(role) ? "" : server;
 }
 
@@ -87,10 +100,9 @@ Command start_of(const ServerCommand& server, Role role, const std::vector<std::
 
 std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, const RunOptions& options) {
   const Names names = names_of(role);
-  const std::optional<std::string>& given = role == Role::mbd ? options.mbd_server : options.dem_server;
+  const std::optional<std::string>& given = option_of(role, options);
   const std::string of_scene = server_of_scene(role, file.scene);
-  const bool there = role == Role::mbd ? file.scene.mbd.has_value() : file.scene.dem.has_value();
-  if (given && !there)
+  if (given && !has_part(role, file.scene))
     throw Error(ErrorCode::usage, fmt::format("the scene has no {}, so that no such server runs", names.part),
                 names.option, "leave the option out");
   if (given == protocol::name(role) || (!given && of_scene.empty())) return {};
@@ -98,14 +110,14 @@ std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, co
   const std::string place = file.origin + ": " + names.key;
   const std::string where = given ? names.option : place;
   const std::string command = printable(shortened(given.value_or(of_scene)));
-  const Role other = role == Role::mbd ? Role::dem : Role::mbd;
-  if (given.value_or(of_scene) == protocol::name(other))
-    throw Error(ErrorCode::usage,
-                fmt::format("'{}' computes the {}, and the server of the {} is wanted here", command,
-                            names_of(other).part, names.part),
-                where,
-                fmt::format("leave it out for {}; {} is for the other one", protocol::name(role),
-                            names_of(other).option));
+  for (const Role other : protocol::all_roles)
+    if (given.value_or(of_scene) == protocol::name(other))
+      throw Error(ErrorCode::usage,
+                  fmt::format("'{}' computes the {}, and the server of the {} is wanted here", command,
+                              names_of(other).part, names.part),
+                  where,
+                  fmt::format("leave it out for {}; {} is for the other one", protocol::name(role),
+                              names_of(other).option));
   if (options.transport == Transport::inproc)
     throw Error(
         ErrorCode::usage,
@@ -137,7 +149,9 @@ std::optional<ServerCommand> foreign_server(Role role, const SceneFile& file, co
 }
 
 ForeignServers foreign_servers(const SceneFile& file, const RunOptions& options) {
-  return {foreign_server(Role::mbd, file, options), foreign_server(Role::dem, file, options)};
+  ForeignServers foreign;
+  for (const Role role : protocol::all_roles) foreign.set(role, foreign_server(role, file, options));
+  return foreign;
 }
 
 }  // namespace tandem::launch

@@ -1,10 +1,12 @@
-// A server other than mbd_server or dem_server: the command that starts it, from the command line or from the
-// scene.
+// A server other than mbd_server, dem_server and sph_server: the command that starts it, from the command
+// line or from the scene.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "launch/coordinator/options.hpp"
@@ -37,11 +39,16 @@ Command start_of(const ServerCommand& server, protocol::Role role, const std::ve
 std::optional<ServerCommand> foreign_server(protocol::Role role, const SceneFile& file,
                                             const RunOptions& options);
 
-struct ForeignServers {
-  std::optional<ServerCommand> mbd, dem;
-  const std::optional<ServerCommand>& of(protocol::Role role) const {
-    return role == protocol::Role::mbd ? mbd : dem;
+class ForeignServers {
+ public:
+  const std::optional<ServerCommand>& of(protocol::Role role) const { return commands_.at(place(role)); }
+  void set(protocol::Role role, std::optional<ServerCommand> command) {
+    commands_.at(place(role)) = std::move(command);
   }
+
+ private:
+  static std::size_t place(protocol::Role role) { return static_cast<std::size_t>(role) - 1; }
+  std::array<std::optional<ServerCommand>, protocol::all_roles.size()> commands_;
 };
 ForeignServers foreign_servers(const SceneFile& file, const RunOptions& options);
 

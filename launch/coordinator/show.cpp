@@ -9,6 +9,7 @@
 #include "launch/report/preview.hpp"
 #include "launch/results/body_meshes.hpp"
 #include "launch/run_folder/run_state.hpp"
+#include "sph_server/io/fill.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -23,14 +24,20 @@ Frame start_of(const SceneFile& file) {
     if (!fixed) surface.frame = placed_frame(body.mesh.vertices, surface.mesh.vertices);
     frame.surfaces.push_back(std::move(surface));
   }
-  if (!file.scene.dem) return frame;
-  const dem::Fill fill = spheres_of(file).start;
-  for (std::size_t i = 0; i < fill.radius.size(); ++i) {
-    const Vec3d p = fill.position[i];
+  const auto add = [&frame](Vec3d p, double radius, std::size_t group) {
     frame.position.insert(frame.position.end(), {p.x, p.y, p.z});
-    frame.radius.push_back(fill.radius[i]);
-    frame.value.push_back(fill.group[i]);
+    frame.radius.push_back(radius);
+    frame.value.push_back(static_cast<double>(group));
+  };
+  if (file.scene.dem) {
+    const dem::Fill fill = spheres_of(file).start;
+    for (std::size_t i = 0; i < fill.radius.size(); ++i) add(fill.position[i], fill.radius[i], fill.group[i]);
   }
+  if (!file.scene.sph) return frame;
+  const scene::Sph& sph = *file.scene.sph;
+  const std::size_t group = file.scene.dem ? file.scene.dem->particles.size() : 0;
+  for (const Vec3d p : sph::sites_of(sph.liquids.front(), sph.spacing, file.scene.gravity).position)
+    add(p, 0.5 * sph.spacing, group);
   return frame;
 }
 
@@ -44,7 +51,8 @@ void preview(const std::filesystem::path& scene, std::filesystem::path out) {
   if (out.empty()) out = scene.stem().string() + "_preview.png";
   const Frame start = start_of(file);
   std::string title = file.scene.name;
-  if (!start.radius.empty()) title += fmt::format("   {} spheres", start.radius.size());
+  if (!start.radius.empty())
+    title += fmt::format("   {} {}", start.radius.size(), file.scene.sph ? "particles" : "spheres");
   draw_preview(out, file.scene, start, title);
   fmt::print("{}: the start of {}\n", out.string(), file.scene.name);
 }

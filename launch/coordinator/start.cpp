@@ -16,7 +16,7 @@ StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const Ru
                          const std::vector<Need>& besides,
                          const std::function<void(Role, const protocol::Hello&)>& take_hello,
                          const std::function<void(Role, const std::string&)>& take_facts) {
-  // Both are registered first: which schemes are possible depends on the pair.
+  // All are registered first: which schemes are possible depends on all of them.
   std::vector<Offer> offers;
   const auto enrol = [&](protocol::Remote* solver, Role role) {
     if (!solver) return;
@@ -26,7 +26,7 @@ StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const Ru
     take_hello(role, hello);
   };
   enrol(solvers.mbd, Role::mbd);
-  enrol(solvers.dem, Role::dem);
+  for (protocol::Remote* solver : solvers.loads) enrol(solver, solver->role());
   expect_capabilities(file.scene, besides, offers);
 
   const protocol::Configuration configuration{file.text,  file.origin,     file.meshes,
@@ -38,10 +38,10 @@ StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const Ru
     StartOfBodies(file.scene).expect(configured.boundary);
     start.boundary = configured.boundary;
   }
-  if (solvers.dem) {
-    const protocol::Configured configured = solvers.dem->configure(configuration);
-    take_facts(Role::dem, configured.facts);
-    start.sensors = configured.sensors;
+  for (protocol::Remote* solver : solvers.loads) {
+    const protocol::Configured configured = solver->configure(configuration);
+    take_facts(solver->role(), configured.facts);
+    start.sensors.insert(start.sensors.end(), configured.sensors.begin(), configured.sensors.end());
   }
   return start;
 }

@@ -63,8 +63,7 @@ StartOfBodies::StartOfBodies(const scene::Scene& scene)
       if (body != ground) twist_known_[body.value] = false;
   const bool all = keeps_poses(*scene.mbd);
   for (std::size_t b = 0; b < bodies_.size(); ++b) pose_known_[b] = all || twist_known_[b];
-  if (!scene.dem) return;
-  for (const scene::Wall& wall : scene.dem->walls)
+  for (const scene::Wall& wall : scene.walls())
     if (wall.body != ground) has_walls_[wall.body.value] = true;
 }
 

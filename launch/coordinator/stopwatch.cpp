@@ -6,14 +6,15 @@ namespace tandem::launch {
 
 Stopwatch::Reading Stopwatch::read(const Solvers& solvers) {
   Reading reading;
-  if (solvers.mbd) {
-    reading.mbd_wait = solvers.mbd->wait_seconds();
-    reading.exchange += solvers.mbd->exchange_seconds();
-  }
-  if (solvers.dem) {
-    reading.dem_wait = solvers.dem->wait_seconds();
-    reading.exchange += solvers.dem->exchange_seconds();
-  }
+  const auto add = [&](protocol::Role role, double& wait) {
+    const protocol::Remote* solver = solvers.of(role);
+    if (!solver) return;
+    wait = solver->wait_seconds();
+    reading.exchange += solver->exchange_seconds();
+  };
+  add(protocol::Role::mbd, reading.mbd_wait);
+  add(protocol::Role::dem, reading.dem_wait);
+  add(protocol::Role::sph, reading.sph_wait);
   return reading;
 }
 
@@ -33,10 +34,11 @@ void Stopwatch::end_output(const Solvers& solvers) {
   now_ = read(solvers);
   apart_.mbd_wait += now_.mbd_wait - before_output_.mbd_wait;
   apart_.dem_wait += now_.dem_wait - before_output_.dem_wait;
+  apart_.sph_wait += now_.sph_wait - before_output_.sph_wait;
   apart_.exchange += now_.exchange - before_output_.exchange;
 }
 
-TimeSplit Stopwatch::split(double mbd_own, double dem_own) const {
+TimeSplit Stopwatch::split(double mbd_own, double dem_own, double sph_own) const {
   TimeSplit split;
   split.output = output_;
   split.exchange = now_.exchange - apart_.exchange;
@@ -48,6 +50,7 @@ TimeSplit Stopwatch::split(double mbd_own, double dem_own) const {
   };
   split.mbd = divide(now_.mbd_wait - apart_.mbd_wait, mbd_own);
   split.dem = divide(now_.dem_wait - apart_.dem_wait, dem_own);
+  split.sph = divide(now_.sph_wait - apart_.sph_wait, sph_own);
   return split;
 }
 

@@ -13,9 +13,9 @@ inline double seconds_since(std::chrono::steady_clock::time_point begin) {
 
 // Wall time of the windows by its use [s].
 struct TimeSplit {
-  double mbd = 0, dem = 0;  // waiting for the solver's own work
-  double exchange = 0;      // encoding, copying, waking up
-  double output = 0;        // observing the solvers, writing rows, waiting for frames that are being written
+  double mbd = 0, dem = 0, sph = 0;  // waiting for the solver's own work
+  double exchange = 0;               // encoding, copying, waking up
+  double output = 0;  // observing the solvers, writing rows, waiting for frames that are being written
 };
 
 class Stopwatch {
@@ -28,13 +28,14 @@ class Stopwatch {
   void end_output(const Solvers& solvers);
 
   double wall() const { return wall_; }  // of the complete windows [s]
-  // `mbd_own`, `dem_own`: work time that the solvers report [s]; 0 where they report none.
-  TimeSplit split(double mbd_own, double dem_own) const;
+  // Work time that the solvers report [s]; 0 where they report none. Where both kinds of particles are there,
+  // they advance at the same time: the second one is waited for only as long as it takes longer.
+  TimeSplit split(double mbd_own, double dem_own, double sph_own) const;
 
  private:
   using Time = std::chrono::steady_clock::time_point;
   struct Reading {
-    double mbd_wait = 0, dem_wait = 0, exchange = 0;  // [s]
+    double mbd_wait = 0, dem_wait = 0, sph_wait = 0, exchange = 0;  // [s]
   };
   static Reading read(const Solvers& solvers);
 

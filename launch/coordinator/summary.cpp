@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// FNV-1a hash of the two solvers' hashes.
+// FNV-1a hash of the solvers' hashes.
 std::string combined_hash(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
@@ -41,6 +41,16 @@ constexpr std::array own_keys{
 
 bool is_own(std::string_view key) {
   return std::ranges::find(own_keys, key, &OwnKey::key) != own_keys.end();
+}
+
+// What the coordinator itself writes into the object "sph", beside the facts of the solver.
+constexpr std::array<std::string_view, 4> keys_of_liquid{"micro_steps", "largest_micro_step_s",
+                                                         "momentum_balance", "momentum_balance_windows"};
+
+// Whether only the coordinator writes this key where the facts of the solver are.
+bool is_reserved(protocol::Role role, std::string_view key) {
+  return role == protocol::Role::sph ? std::ranges::find(keys_of_liquid, key) != keys_of_liquid.end()
+                                     : is_own(key);
 }
 
 std::string text_of(const Json& value) {
@@ -88,6 +98,10 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   for (const char* key : {"backend", "device", "precision", "variant"}) json_[key] = nullptr;
   for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})
     own(protocol::name(role)) = nullptr;
+  if (scene.sph) {
+    own("sph_server") = nullptr;
+    own("sph") = Json::object();
+  }
   json_["left_out"] = Json::array();
   json_["spheres"] = scene.dem ? Json(nullptr) : Json(0);
   json_["bodies"] = scene.mbd ? scene.mbd->bodies.size() : 0;
@@ -106,7 +120,7 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   own("end_time_s") = scene.end_time;
   own("wall_s") = 0.0;
   for (const char* key : {"sphere_steps_per_s", "us_per_micro_step"}) own(key) = nullptr;
-  own("time_split") = {{"dem", 0.0}, {"mbd", 0.0}, {"exchange", 0.0}, {"output", 0.0}};
+  set_time_split({});
   for (const char* key : {"impulse_closure", "impulse_outstanding", "energy_residual", "momentum_balance",
                           "constraint_violation", "max_overlap_ratio"})
     json_[key] = nullptr;
@@ -137,24 +151,27 @@ std::string Summary::not_reported(protocol::Role role) const {
 void Summary::add_facts(protocol::Role role, const std::string& facts) {
   const Json sent = protocol::decode_facts(role, facts, facts_);
   for (const auto& item : sent.items())
-    if (is_own(item.key()))
+    if (is_reserved(role, item.key()))
       throw Error(ErrorCode::protocol,
                   "sent the fact '" + item.key() + "', which only the coordinator writes",
                   protocol::name(role), "send it under another name");
-  const std::string prefix = role == protocol::Role::mbd ? "mbd_" : "dem_";
+  const std::string prefix = std::string(protocol::word_of(role)) + "_";
   for (const auto& [key, value] : sent.items()) {
     if (value.is_array() && json_.contains(key) && json_[key].is_array()) {
       for (const Json& item : value) {
         if (std::find(json_[key].begin(), json_[key].end(), item) == json_[key].end())
           json_[key].push_back(item);
       }
+    } else if (role == protocol::Role::sph) {
+      own("sph")[key] = value;
     } else if (key == "solver_seconds") {
       json_[prefix + key] = value;
     } else {
       json_[key] = value;
     }
   }
-  const std::string hashes = facts_.mbd.state_hash.value_or("") + facts_.dem.state_hash.value_or("");
+  const std::string hashes = facts_.mbd.state_hash.value_or("") + facts_.dem.state_hash.value_or("") +
+                             facts_.sph.state_hash.value_or("");
   if (!hashes.empty()) own("state_hash") = combined_hash(hashes);
 }
 
@@ -251,9 +268,28 @@ void Summary::set_machine(const JointWatch& joints, const EnergyWatch& energy) {
 }
 
 void Summary::set_restart(const std::filesystem::path& checkpoint, const Coupler& coupler) {
-  steps_before_ = coupler.accounts().micro_steps();
+  steps_before_ = coupler.accounts().particles().micro_steps();
   own("restarted_from") = checkpoint.string();
   own("restarted_at_s") = to_seconds(coupler.now());
+}
+
+void Summary::set_time_split(const TimeSplit& split) {
+  Json& parts = own("time_split") = {{"dem", split.dem}, {"mbd", split.mbd}};
+  if (scene_.sph) parts["sph"] = split.sph;
+  parts["exchange"] = split.exchange;
+  parts["output"] = split.output;
+}
+
+void Summary::set_liquid(const ParticleBalance& balance) {
+  if (balance.micro_steps() == 0) return;
+  Json& block = own("sph");
+  const auto set = [&block](std::size_t key, const Json& value) {
+    block[std::string(keys_of_liquid[key])] = value;
+  };
+  set(0, balance.micro_steps());
+  set(1, balance.largest_micro_step());
+  set(2, balance.momentum());
+  set(3, balance.momentum_windows());
 }
 
 void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, const TimeSplit& split) {
@@ -274,23 +310,23 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
   own("micro_steps") = accounts.micro_steps();
   own("simulated_s") = to_seconds(now);
   own("wall_s") = wall;
-  own("time_split") = {
-      {"dem", split.dem}, {"mbd", split.mbd}, {"exchange", split.exchange}, {"output", split.output}};
-  if (accounts.micro_steps() > 0) {
+  set_time_split(split);
+  if (scene_.sph) set_liquid(accounts.particles(scene_.dem ? 1 : 0));
+  if (const ParticleBalance& particles = accounts.particles(); scene_.dem && particles.micro_steps() > 0) {
     // In `parallel` the coordinator waits only for the slower solver: its reported time counts.
     const double reported_time = facts_.dem.solver_seconds.value_or(0),
                  dem = reported_time > 0 ? reported_time : split.dem;
-    const auto steps = static_cast<double>(accounts.micro_steps() - steps_before_);
+    const auto steps = static_cast<double>(particles.micro_steps() - steps_before_);
     if (steps > 0) own("us_per_micro_step") = 1e6 * dem / steps;
     // Spheres enter and leave: a run that has ended knows the sum.
     const std::optional<double> reported = facts_.dem.sphere_steps, spheres = facts_.dem.spheres;
     if (dem > 0 && (reported > 0 || spheres))
       own("sphere_steps_per_s") = (reported > 0 ? *reported : *spheres * steps) / dem;
-    own("momentum_balance") = accounts.momentum_balance();
-    own("momentum_balance_windows") = accounts.momentum_balance_windows();
-    own("largest_micro_step_s") = accounts.largest_micro_step();
-    own("max_overlap_ratio") = accounts.particles().max_overlap_ratio;
-    own("lost_particles") = accounts.particles().lost_particles;
+    own("momentum_balance") = particles.momentum();
+    own("momentum_balance_windows") = particles.momentum_windows();
+    own("largest_micro_step_s") = particles.largest_micro_step();
+    own("max_overlap_ratio") = particles.account().max_overlap_ratio;
+    own("lost_particles") = particles.account().lost_particles;
   }
   set_machine(coupler.joint_watch(), coupler.energy_watch());
   if (accounts.coupled()) {
@@ -446,6 +482,7 @@ void Summary::add_rules_without_figures() {
   };
   note(protocol::Role::mbd, {"energy_mbd", "constraints", "position_error", "energy_error"});
   note(protocol::Role::dem, {"lost", "collision_steps", "critical_step"});
+  if (scene_.sph) note(protocol::Role::sph, {"liquid_density", "mach", "passed_walls", "energy_liquid"});
 }
 
 void Summary::judge() {
@@ -507,10 +544,12 @@ std::string Summary::table() const {
     if (json_.contains(key) && !json_[key].is_null()) row(title, text_of(json_[key]) + unit);
   };
   for (const VerdictLine& line : verdict_.lines) row("SUSPECT", line.sentence);
-  for (const protocol::Role role : {protocol::Role::mbd, protocol::Role::dem})
-    if (const Json& server = json_[protocol::name(role)]; server.is_object() && server.contains("command"))
+  for (const protocol::Role role : protocol::all_roles) {
+    const auto server = json_.find(protocol::name(role));
+    if (server != json_.end() && server->is_object() && server->contains("command"))
       row(protocol::name(role),
-          fmt::format("{}, started by {}", text_of(server["program"]), text_of(server["command"])));
+          fmt::format("{}, started by {}", text_of((*server)["program"]), text_of((*server)["command"])));
+  }
   const protocol::DemFacts& dem = facts_.dem;
   if (dem.backend || dem.spheres) {
     std::string particles =
@@ -523,6 +562,14 @@ std::string Summary::table() const {
   } else if (json_["dem_server"].is_object()) {
     row("particles", not_reported(protocol::Role::dem));
   }
+  if (const protocol::SphFacts& sph = facts_.sph; sph.particles) {
+    std::string liquid = fmt::format("{} particles", *sph.particles);
+    if (sph.backend) liquid += " on " + *sph.backend;
+    if (sph.precision) liquid += ", " + *sph.precision;
+    row("liquid", liquid);
+  } else if (json_.contains("sph_server") && json_["sph_server"].is_object()) {
+    row("liquid", not_reported(protocol::Role::sph));
+  }
   std::string course =
       fmt::format("{:.6g} s in {} windows", number("simulated_s"), text_of(json_["windows"]));
   if (number("windows_rejected") > 0)
@@ -532,9 +579,11 @@ std::string Summary::table() const {
   if (number("micro_steps") > 0) course += fmt::format(" and {} micro steps", text_of(json_["micro_steps"]));
   row("simulated", course);
   const Json& split = json_["time_split"];
-  row("wall time", fmt::format("{:.3g} s: dem {:.3g}, mbd {:.3g}, exchange {:.3g}, output {:.3g}",
-                               number("wall_s"), split["dem"].get<double>(), split["mbd"].get<double>(),
-                               split["exchange"].get<double>(), split["output"].get<double>()));
+  row("wall time",
+      fmt::format("{:.3g} s: dem {:.3g}, mbd {:.3g},{} exchange {:.3g}, output {:.3g}", number("wall_s"),
+                  split["dem"].get<double>(), split["mbd"].get<double>(),
+                  split.contains("sph") ? fmt::format(" sph {:.3g},", split["sph"].get<double>()) : "",
+                  split["exchange"].get<double>(), split["output"].get<double>()));
   number_row("per micro step", "us_per_micro_step", " us");
   number_row("sphere-steps", "sphere_steps_per_s", " /s");
   number_row("impulse closure", "impulse_closure", "");
@@ -544,6 +593,15 @@ std::string Summary::table() const {
   if (facts_.mbd.constraint_violation)
     row("constraint violation", fmt::format("{:.6g}", *facts_.mbd.constraint_violation));
   number_row("largest overlap", "max_overlap_ratio", " of the radius");
+  if (json_.contains("sph")) {
+    const Json& liquid = json_["sph"];
+    const auto liquid_row = [&](const char* title, const char* key, const char* unit) {
+      if (liquid.contains(key)) row(title, text_of(liquid[key]) + unit);
+    };
+    liquid_row("liquid momentum", "momentum_balance", "");
+    liquid_row("liquid density error", "density_error", "");
+    liquid_row("liquid Mach number", "mach", "");
+  }
   if (dem.spheres > 0 || number("lost_particles") > 0) number_row("lost particles", "lost_particles", "");
   if (dem.came_in) row("came in", fmt::format("{} spheres", *dem.came_in));
   if (dem.went_out) row("went out", fmt::format("{} spheres", *dem.went_out));

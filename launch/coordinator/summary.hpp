@@ -38,10 +38,10 @@ class Summary {
   // The program that takes a role, and the command that started it where it is not ours.
   void set_server(protocol::Role role, const protocol::Hello& hello,
                   const std::optional<ServerCommand>& foreign);
-  // Adds the facts that a solver sent. Lists (left_out, warnings) of the two solvers are joined;
-  // solver_seconds, which both send, is stored with the solver's name, "mbd_..." and "dem_...". Throws the
-  // ProtocolError of decode_facts(), and Error{protocol} for a key that belongs to the coordinator, such as
-  // `status`.
+  // Adds the facts that a solver sent. Lists (left_out, warnings) of the solvers are joined; solver_seconds,
+  // which several send, is stored with the solver's name, "mbd_..." and "dem_..."; all other facts of the
+  // solver of a liquid are in the object "sph". Throws the ProtocolError of decode_facts(), and
+  // Error{protocol} for a key that belongs to the coordinator, such as `status`.
   void add_facts(protocol::Role role, const std::string& facts);
   void add_warning(const std::string& sentence);  // repeated sentences are added once
   // The run continues from this checkpoint.
@@ -83,6 +83,8 @@ class Summary {
   nlohmann::ordered_json& own(const char* key);
   double number(const char* key) const;  // that was set here, 0 where there is none
   void declare_columns(const scene::Scene& scene);
+  void set_time_split(const TimeSplit& split);
+  void set_liquid(const ParticleBalance& balance);
   void set_interface(const Coupler& coupler);
   void set_contradictions(const MotionWatch& watch);
   void set_path_differences(const PathWatch& watch);

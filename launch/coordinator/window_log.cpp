@@ -18,14 +18,14 @@ WindowLog::WindowLog(const std::filesystem::path& folder, const scene::Scene& sc
 
 void WindowLog::write(const Coupler& coupler) {
   const Accounts& accounts = coupler.accounts();
-  const protocol::ParticleAccount& particles = accounts.particles();
+  const protocol::ParticleAccount& particles = accounts.particles().account();
   const Window& window = coupler.last_window();
   windows_.append(
       fmt::format("{},{:.9g},{},{},{},{:.9g},{:.6g},{},{:.3g},{:.9g},{:.9g},{:.3g},{:.9g},{},{}\n",
                   window.index, to_seconds(window.end), particles.micro_steps, particles.contacts,
                   particles.rebuilds, particles.kinetic_energy, particles.max_overlap_ratio,
                   particles.lost_particles, accounts.impulse_closure(), accounts.energy_created(),
-                  accounts.energy_exchanged(), accounts.momentum_balance(), window.length(),
+                  accounts.energy_exchanged(), accounts.particles().momentum(), window.length(),
                   coupler.exchange().iterations, coupler.counters().rejected));
   write_interface(coupler);
 }

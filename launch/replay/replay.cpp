@@ -18,6 +18,7 @@
 #include "protocol/replay.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/stream/stream_channel.hpp"
+#include "sph_server/coupling/make_solver.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -36,6 +37,7 @@ class OwnSolver {
       const auto end = std::move(channel);  // closed when the solver leaves, not when the task is destroyed
       const std::string program = fmt::format("{} {}", protocol::name(role), version);
       if (role == Role::mbd) return protocol::serve(*end, *mbd::make_solver(), program);
+      if (role == Role::sph) return protocol::serve(*end, *sph::make_solver(), program);
       return protocol::serve(*end, *dem::make_solver(), program);
     });
     done_ = task.get_future();

@@ -11,13 +11,18 @@ namespace tandem::launch {
 namespace {
 
 using Scale = ColourField::Scale;
-constexpr std::array<ColourField, 7> fields{{{"speed", "m/s", Scale::from_zero},
+constexpr std::array<ColourField, 9> fields{{{"speed", "m/s", Scale::from_zero},
                                              {"radius", "m", Scale::whole},
                                              {"spin", "rad/s", Scale::from_zero},
                                              {"group", "", Scale::named},
                                              {"material", "", Scale::named},
                                              {"contact_count", "", Scale::from_zero},
-                                             {"mean_stress", "Pa", Scale::from_zero}}};
+                                             {"mean_stress", "Pa", Scale::from_zero},
+                                             {"pressure", "Pa", Scale::whole},
+                                             {"density", "kg/m3", Scale::whole}}};
+
+// The series with spheres: of grains and of the liquid.
+constexpr std::array sphere_files{"particles.h5", "liquid.h5"};
 
 // The groups of one file that are frames, ascending.
 std::vector<std::string> groups_of(const std::filesystem::path& path) {
@@ -65,23 +70,41 @@ std::vector<double> values_of(const Hdf5File& file, const std::string& dataset, 
   return length;
 }
 
-void read_particles(const std::filesystem::path& path, const std::string& group, const ColourField& field,
-                    Frame& frame) {
+// Adds the spheres of one file that have the field; false where they have none.
+bool add_spheres(const std::filesystem::path& path, const std::string& group, const ColourField& field,
+                 Frame& frame) {
   const Hdf5File file = Hdf5File::open(path);
   const std::string dataset = "/" + group + "/" + field.name;
   frame.time = file.number_attribute("/" + group, "time");
-  frame.position = read_finite(file, "/" + group + "/position");
-  frame.radius = read_finite(file, "/" + group + "/radius");
-  const std::size_t spheres = frame.radius.size();
-  if (!file.has(dataset))
+  if (!file.has(dataset)) return false;
+  const std::vector<double> position = read_finite(file, "/" + group + "/position"),
+                            radius = read_finite(file, "/" + group + "/radius");
+  const std::size_t spheres = radius.size();
+  const std::vector<double> value = values_of(file, dataset, spheres);
+  if (position.size() != 3 * spheres || value.size() != spheres)
+    fail(path, group + " has " + std::to_string(spheres) + " radii, " + std::to_string(position.size()) +
+                   " coordinates and " + std::to_string(value.size()) + " values of " + field.name);
+  frame.position.insert(frame.position.end(), position.begin(), position.end());
+  frame.radius.insert(frame.radius.end(), radius.begin(), radius.end());
+  frame.value.insert(frame.value.end(), value.begin(), value.end());
+  return true;
+}
+
+void read_particles(const std::filesystem::path& folder, const std::string& group, const ColourField& field,
+                    Frame& frame) {
+  const char* without = nullptr;
+  bool found = false;
+  for (const char* file : sphere_files) {
+    if (!exists(folder / file)) continue;
+    if (add_spheres(folder / file, group, field, frame))
+      found = true;
+    else
+      without = file;
+  }
+  if (without && !found)
     throw Error(ErrorCode::usage, std::string("the frames of this run have no '") + field.name + "'",
-                path.string(),
+                (folder / without).string(),
                 std::string("\"output\": {\"fields\": [\"") + field.name + "\"]} of the scene puts it there");
-  frame.value = values_of(file, dataset, spheres);
-  if (frame.position.size() != 3 * spheres || frame.value.size() != spheres)
-    fail(path, group + " has " + std::to_string(spheres) + " radii, " +
-                   std::to_string(frame.position.size()) + " coordinates and " +
-                   std::to_string(frame.value.size()) + " values of " + field.name);
 }
 
 void read_surfaces(const std::filesystem::path& path, const std::string& group, Frame& frame) {
@@ -135,7 +158,7 @@ const ColourField& colour_field(const std::string& name) {
 
 std::vector<std::string> frame_names(const std::filesystem::path& folder) {
   std::optional<std::vector<std::string>> names;
-  for (const char* file : {"particles.h5", "bodies.h5"}) {
+  for (const char* file : {sphere_files[0], sphere_files[1], "bodies.h5"}) {
     if (!exists(folder / file)) continue;
     const std::vector<std::string> of_file = groups_of(folder / file);
     if (names)
@@ -149,7 +172,7 @@ std::vector<std::string> frame_names(const std::filesystem::path& folder) {
 
 Frame read_frame(const std::filesystem::path& folder, const std::string& name, const ColourField& field) {
   Frame frame;
-  if (exists(folder / "particles.h5")) read_particles(folder / "particles.h5", name, field, frame);
+  read_particles(folder, name, field, frame);
   if (exists(folder / "bodies.h5")) read_surfaces(folder / "bodies.h5", name, frame);
   return frame;
 }

@@ -11,7 +11,7 @@ namespace {
 bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
   const Frame frame = read_last_frame(folder);
   if (frame.empty()) {
-    log::warn(scene.dem && !scene.output.particles
+    log::warn(scene.has_particles() && !scene.output.particles
                   ? "no picture: frames have no spheres (output.particles), and there is no body to draw"
                   : "no picture: the run has written no frame");
     return false;

@@ -51,10 +51,10 @@ void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, c
   view.floor = extents.lowest() - 1e-3 * norm(view.camera.target - view.camera.eye);
   view.soft_shadows = false;
   view.title = title;
-  if (scene.dem) {
-    view.scale.title = "spheres";
+  if (scene.has_particles()) view.scale.title = scene.dem ? "spheres" : "liquid";
+  if (scene.dem)
     for (const scene::ParticleGroup& group : scene.dem->particles) view.scale.names.push_back(group.name);
-  }
+  if (scene.sph) view.scale.names.push_back(scene.sph->liquids.front().name);
   PictureText more{.labels = labels_of(scene, start), .extents = true};
   if (more.labels.size() > most_labels) {
     log::warn("{} names would cover the picture: it has those of the first {} bodies and joints",

@@ -389,8 +389,19 @@ def key_figures(summary):
             ("Error of positions (estimate)", estimate("mbd_position_error_estimate", " of the size")),
             ("Error of energy (estimate)", estimate("mbd_energy_error_estimate_J", " J")),
             ("Largest overlap", text("max_overlap_ratio", " of the radius")), ("Lost particles", text("lost_particles") if summary.get("spheres") else None),
+            *liquid_rows(summary.get("sph") or {}),
             ("State hash", text("state_hash")), ("Program", text("version"))]
     return table(None, [row for row in rows if row[1]])
+
+
+def liquid_rows(sph):
+    def text(key, unit=""):
+        return None if sph.get(key) is None else (number(sph[key]) if isinstance(sph[key], (int, float)) else str(sph[key])) + unit
+
+    return [("Particles of the liquid", text("particles")), ("Speed of sound", text("sound_speed_m_per_s", " m/s")),
+            ("Density error of the liquid", text("density_error")), ("Mach number of the liquid", text("mach")),
+            ("Momentum balance of the liquid", text("momentum_balance")),
+            ("Residual of the energy of the liquid", text("energy_residual_J", " J"))]
 
 
 def checks_table(summary):
@@ -480,13 +491,13 @@ def verdict_note(summary):
 
 
 def paraview(folder):
-    files = [name for name in ("particles.xdmf", "bodies.xdmf") if (folder / name).exists()]
+    files = [name for name in ("particles.xdmf", "liquid.xdmf", "bodies.xdmf") if (folder / name).exists()]
     if not files:
         return ""
     commands = "\n".join(f"paraview {html.escape(str((folder / name).resolve()))}" for name in files)
     particles = "Show particles as Point Gaussian with the scale array “radius”, coloured by “speed”."
     return (f"<h2>Look around in ParaView</h2><pre>{commands}</pre><p class=note>Choose “Xdmf3 Reader S”. "
-            f"{particles if 'particles.xdmf' in files else ''}</p>")
+            f"{particles if {'particles.xdmf', 'liquid.xdmf'} & set(files) else ''}</p>")
 
 
 STYLE = """
@@ -533,7 +544,7 @@ def page(folder):
         data = base64.b64encode(picture.read_bytes()).decode()
         image = f'<img alt="last frame" src="data:image/png;base64,{data}">'
     time = summary.get("simulated_s")
-    colours = "; spheres coloured by speed" if (folder / "particles.xdmf").exists() else ""
+    colours = "; spheres coloured by speed" if any((folder / name).exists() for name in ("particles.xdmf", "liquid.xdmf")) else ""
     caption = f"<p class=note>Last frame, t = {number(time)} s{colours}.</p>" if image else ""
     checks = f"<h2>Checks</h2>{checks_table(summary)}"
     description = f"<p>{html.escape(summary['description'])}</p>" if summary.get("description") else ""

@@ -115,8 +115,7 @@ TriangleMesh inertia_box(const scene::Body& body) {
 TriangleMesh walls_of(BodyId body, const scene::Scene& scene,
                       const std::vector<protocol::NamedMesh>& meshes) {
   TriangleMesh mesh;
-  if (!scene.dem) return mesh;
-  for (const scene::Wall& wall : scene.dem->walls) {
+  for (const scene::Wall& wall : scene.walls()) {
     if (wall.body == body) append(mesh, wall_mesh(wall, scene, meshes, round_segments));
   }
   return mesh;
@@ -138,12 +137,12 @@ TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
   const Pose body = wall.body == ground ? Pose{} : scene.mbd->bodies.at(wall.body.value).pose;
   const Pose in_world{to_world(body, wall.pose.p_WB), body.q_WB * wall.pose.q_WB};
   if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape))
-    return transformed(cylinder_wall(*cylinder, in_world, scene.dem->domain, segments), wall.pose);
+    return transformed(cylinder_wall(*cylinder, in_world, scene.domain(), segments), wall.pose);
 
   const auto& plane = std::get<scene::PlaneShape>(wall.shape);
   const Vec3d point = to_world(body, to_world(wall.pose, plane.point));
   const Vec3d normal = normalized(body.q_WB.rotate(wall.pose.q_WB.rotate(plane.normal)));
-  TriangleMesh mesh = plane_in_domain(point, normal, scene.dem->domain);
+  TriangleMesh mesh = plane_in_domain(point, normal, scene.domain());
   for (Vec3d& vertex : mesh.vertices) vertex = to_body(body, vertex);
   return mesh;
 }

@@ -67,8 +67,10 @@ struct Results::State {
         joints(folder / joints_file, with_time(scene::joint_columns(given))) {
     const bool particles = scene.dem && scene.output.particles;
     std::vector<BodyMesh> drawn = body_meshes(scene, meshes, shapes);
-    if (particles || !drawn.empty()) prepared(folder / frames_folder);
-    if (particles) particle_series.emplace(folder);
+    const bool liquid = scene.sph && scene.output.particles;
+    if (particles || liquid || !drawn.empty()) prepared(folder / frames_folder);
+    if (particles) particle_series.emplace(folder, "particles");
+    if (liquid) liquid_series.emplace(folder, "liquid");
     if (!scene.output.contacts.empty()) contact_series.emplace(folder);
     if (!scene.output.wall_fields.empty()) wall_fields.emplace(scene, meshes, drawn);
     if (!drawn.empty()) body_series.emplace(folder, std::move(drawn));
@@ -89,7 +91,7 @@ struct Results::State {
   Signals bodies, joints;
   std::optional<Signals> elements, sensors;
   std::size_t element_columns = 0;
-  std::optional<ParticleSeries> particle_series;
+  std::optional<ParticleSeries> particle_series, liquid_series;
   std::optional<BodySeries> body_series;
   std::optional<WallFields> wall_fields;
   std::optional<ContactSeries> contact_series;
@@ -135,11 +137,25 @@ struct Results::State {
     return columns;
   }
 
+  // Pressure and density, which the particles of a liquid have besides what spheres have.
+  static std::vector<ParticleSeries::Column> columns_of_liquid(const protocol::ParticlesFrame& frame) {
+    constexpr std::size_t stride = protocol::ParticlesFrame::liquid_values;
+    if (frame.liquid.size() != stride * frame.id.size())
+      throw Error(ErrorCode::protocol, "a frame lacks pressure and density of the liquid", "sph_server",
+                  "send two numbers for each particle");
+    std::vector<float> pressure(frame.id.size()), density(frame.id.size());
+    for (std::size_t i = 0; i < frame.id.size(); ++i) {
+      pressure[i] = frame.liquid[stride * i];
+      density[i] = frame.liquid[stride * i + 1];
+    }
+    return {{"pressure", std::move(pressure)}, {"density", std::move(density)}};
+  }
+
   std::vector<std::uint32_t> group_of_sphere;  // by id
 
   // The frame that is being written: one at a time, in order.
   std::optional<protocol::BodiesFrame> frame_bodies;
-  std::optional<protocol::ParticlesFrame> frame_particles;
+  std::optional<protocol::ParticlesFrame> frame_particles, frame_liquid;
   std::future<void> writing;  // last: its destructor waits for the task, which uses the members above
 };
 
@@ -184,7 +200,7 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
       state_->writing.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
     state_->wait();
   const scene::Scene& scene = state_->scene;
-  state_->require(!scene.dem || loads != nullptr, "contact loads");
+  state_->require(!scene.has_particles() || loads != nullptr, "contact loads");
   state_->require(!scene.mbd || (bodies != nullptr && bodies->bodies.size() == scene.mbd->bodies.size() &&
                                  bodies->joints.size() == scene.mbd->joints.size()),
                   "complete set of bodies and joints");
@@ -221,17 +237,26 @@ protocol::ParticlesFrame& Results::particles_to_write() {
   return *state_->frame_particles;
 }
 
+protocol::ParticlesFrame& Results::liquid_to_write() {
+  state_->wait();
+  if (!state_->frame_liquid) state_->frame_liquid.emplace();
+  return *state_->frame_liquid;
+}
+
 void Results::write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
                           const protocol::ParticlesFrame* particles, PrepareParticles prepare) {
   State& s = *state_;
   s.wait();
   s.require(!s.particle_series || particles != nullptr, "particles");
+  s.require(!s.liquid_series || (s.frame_liquid && s.frame_liquid->time == time), "liquid");
   copy_to(s.frame_bodies, bodies);
   if (!s.frame_particles || particles != &*s.frame_particles) copy_to(s.frame_particles, particles);
   auto write = [&s, time, prepare = std::move(prepare)] {
     if (prepare && s.frame_particles) prepare(*s.frame_particles);
     try {
       if (s.particle_series) s.particle_series->append(*s.frame_particles, s.columns_of(*s.frame_particles));
+      if (s.liquid_series)
+        s.liquid_series->append(*s.frame_liquid, State::columns_of_liquid(*s.frame_liquid));
       if (s.contact_series) s.contact_series->append(*s.frame_particles);
       std::vector<std::vector<CellColumn>> cells;
       if (s.wall_fields) cells = s.wall_fields->of(*s.frame_particles);
@@ -258,6 +283,7 @@ void Results::finish() {
     failure = std::current_exception();
   }
   if (state_->particle_series) state_->particle_series->finish();
+  if (state_->liquid_series) state_->liquid_series->finish();
   if (state_->body_series) state_->body_series->finish();
   if (state_->contact_series) state_->contact_series->finish();
   if (failure) std::rethrow_exception(failure);

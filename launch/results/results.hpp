@@ -1,7 +1,7 @@
 // The files that a run writes to its folder: bodies.csv, joints.csv, elements.csv, sensors.csv,
-// particles.{h5,xdmf}, bodies.{h5,xdmf} and frames/. Summary, report and picture are made from these at the
-// end. common/scene/columns.hpp names the columns of the CSV files, which follow "time"; contact loads are
-// window means.
+// particles.{h5,xdmf}, liquid.{h5,xdmf}, bodies.{h5,xdmf} and frames/. Summary, report and picture are made
+// from these at the end. common/scene/columns.hpp names the columns of the CSV files, which follow "time";
+// contact loads are window means.
 #pragma once
 
 #include <filesystem>
@@ -39,9 +39,11 @@ class Results {
   void set_groups(std::vector<std::uint32_t> group_of_sphere);
   // Memory for the particles of the next frame, which are then not copied. Waits for the previous frame.
   protocol::ParticlesFrame& particles_to_write();
+  protocol::ParticlesFrame& liquid_to_write();
   // Writes one frame of the ParaView series concurrently with the run; waits for the previous frame.
   // `prepare` gets the particles first, in the order of the frames: it may decode them, and checks them. If
-  // one of the two fails, the next call of any of these functions throws.
+  // one of the two fails, the next call of any of these functions throws. The liquid is that of
+  // liquid_to_write().
   using PrepareParticles = std::function<void(protocol::ParticlesFrame&)>;
   void write_frame(Nanoseconds time, const protocol::BodiesFrame* bodies,
                    const protocol::ParticlesFrame* particles, PrepareParticles prepare = {});

@@ -26,11 +26,11 @@ void add_body_values(const scene::Scene& scene, const protocol::BodiesFrame* bod
     row.insert(row.end(), {q.w, q.x, q.y, q.z});
     add_vector(row, body.twist.v_WB);
     add_vector(row, body.twist.w_WB);
-    if (!scene.dem) continue;
+    if (!scene.has_particles()) continue;
     add_vector(row, load[i].force);
     add_vector(row, load[i].torque);
   }
-  if (scene.dem) {
+  if (scene.has_particles()) {
     add_vector(row, load[count].force);
     add_vector(row, load[count].torque);
   }

@@ -21,9 +21,9 @@ constexpr std::array own_names{
     std::string_view("report.html"),    std::string_view("report.log"),  std::string_view("picture.png"),
     std::string_view("picture.pov"),    std::string_view("picture.log"), std::string_view("movie.mp4"),
     std::string_view("movie.log"),      std::string_view(marker_name),   std::string_view(reserve_name),
-    std::string_view(last_windows_name)};
+    std::string_view("liquid.h5"),      std::string_view("liquid.xdmf"), std::string_view(last_windows_name)};
 constexpr std::array checkpoint_names{std::string_view("run.h5"), std::string_view("mbd.h5"),
-                                      std::string_view("dem.h5")};
+                                      std::string_view("dem.h5"), std::string_view("sph.h5")};
 constexpr std::size_t most_others = 10;
 
 // The names under which files are written first.
@@ -51,7 +51,7 @@ bool is_frame(std::string_view name) {
   if (name == "surfaces.h5") return true;
   if (!name.ends_with(".h5")) return false;
   name.remove_suffix(3);
-  for (const std::string_view series : {"particles_", "bodies_", "contacts_"})
+  for (const std::string_view series : {"particles_", "liquid_", "bodies_", "contacts_"})
     if (name.starts_with(series)) return is_number(name.substr(series.size()));
   return false;
 }

@@ -60,6 +60,7 @@ std::vector<std::string> server_arguments(const StudyOptions& options) {
   std::vector<std::string> arguments;
   if (options.mbd_server) arguments.insert(arguments.end(), {"--mbd-server", *options.mbd_server});
   if (options.dem_server) arguments.insert(arguments.end(), {"--dem-server", *options.dem_server});
+  if (options.sph_server) arguments.insert(arguments.end(), {"--sph-server", *options.sph_server});
   if (options.allow_scene_servers) arguments.emplace_back("--allow-scene-servers");
   return arguments;
 }
@@ -69,6 +70,7 @@ void expect_servers(const Study& study, const Plan& plan, const StudyOptions& op
   RunOptions of_run;
   of_run.mbd_server = options.mbd_server;
   of_run.dem_server = options.dem_server;
+  of_run.sph_server = options.sph_server;
   of_run.allow_scene_servers = options.allow_scene_servers;
   for (const PlannedRun& run : plan.runs) {
     SceneFile file;

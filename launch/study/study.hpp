@@ -15,7 +15,7 @@ struct StudyOptions {
   std::filesystem::path file, folder;
   int jobs = 0;  // concurrent runs; 0: as many as the cores allow
   // Commands of servers that replace ours; absent: those of the scene, or ours.
-  std::optional<std::string> mbd_server, dem_server;
+  std::optional<std::string> mbd_server, dem_server, sph_server;
   bool allow_scene_servers = false;  // whether commands of the scene are started
   std::vector<std::string> want;     // "position=1e-3": required error of the cheapest setting
 };

@@ -8,6 +8,7 @@
 
 #include "dem_server/laws/step_limits.hpp"
 #include "dem_server/laws/stiffer.hpp"
+#include "launch/verdict/liquid_rules.hpp"
 #include "launch/verdict/wall_watch.hpp"
 
 namespace tandem::launch {
@@ -823,6 +824,7 @@ std::vector<Rule> make_rules() {
              "them",
              f.of, time, depth, f.value, limit);
        }});
+  add_liquid_rules(table);
   return table;
 }
 

@@ -151,13 +151,13 @@ std::string quoted(const std::vector<std::string>& names) {
 
 }  // namespace
 
-WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) : scene_(scene) {
+WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& meshes)
+    : scene_(scene), walls_(scene.walls()) {
   if (!scene.mbd) return;
   std::vector<std::string> bare;
   for (std::uint32_t i = 0; i < scene.mbd->bodies.size(); ++i) {
     const bool has_walls =
-        scene.dem && std::any_of(scene.dem->walls.begin(), scene.dem->walls.end(),
-                                 [&](const scene::Wall& wall) { return wall.body == BodyId{i}; });
+        std::ranges::any_of(walls_, [&](const scene::Wall& wall) { return wall.body == BodyId{i}; });
     // Shapes of contact push each other apart, and end the run where they do not
     // (mbd_server/step/body_contacts.cpp).
     const bool touches = scene.contact && std::ranges::any_of(scene.shapes, [&](const scene::Shape& shape) {
@@ -169,7 +169,7 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
     not_judged_.push_back(
         fmt::format("whether bodies pass through others: no shape is known of {} without walls ({})",
                     bare.size() == 1 ? "1 body" : fmt::format("{} bodies", bare.size()), quoted(bare)));
-  if (!scene.dem || bare.size() == scene.mbd->bodies.size()) return;
+  if (walls_.empty() || bare.size() == scene.mbd->bodies.size()) return;
   group_ = weld(*scene.mbd);
   const std::vector<const scene::Wall*> walls = walls_to_judge(meshes);
   std::size_t pairs = 0;
@@ -188,7 +188,7 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
 std::vector<const scene::Wall*> WallWatch::walls_to_judge(const std::vector<NamedMesh>& meshes) {
   std::vector<const scene::Wall*> walls;
   std::vector<std::string> fine;
-  for (const scene::Wall& wall : scene_.dem->walls) {
+  for (const scene::Wall& wall : walls_) {
     const auto named = std::find_if(meshes.begin(), meshes.end(),
                                     [&](const NamedMesh& mesh) { return mesh.name == wall.name; });
     if (named != meshes.end() && named->mesh.triangles.size() > most_triangles)

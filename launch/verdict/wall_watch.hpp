@@ -72,7 +72,8 @@ class WallWatch {
   Pose pose_of(BodyId body, const std::vector<protocol::BodyState>& bodies) const;
 
   const scene::Scene& scene_;
-  std::vector<std::size_t> group_;  // of welded bodies, by body; the ground last
+  const std::vector<scene::Wall> walls_;  // of all particle solvers
+  std::vector<std::size_t> group_;        // of welded bodies, by body; the ground last
   std::vector<WallSurface> surfaces_;
   std::vector<Pair> pairs_;
   std::size_t next_ = 0;  // pair to check first, so that all pairs are checked in turn

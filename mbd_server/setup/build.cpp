@@ -299,8 +299,7 @@ class Builder {
   }
 
   void find_boundary() {
-    if (!scene_.dem) return;
-    for (const scene::Wall& wall : scene_.dem->walls)
+    for (const scene::Wall& wall : scene_.walls())
       if (wall.body != ground) model_.boundary.push_back(static_cast<int>(wall.body.value));
     std::sort(model_.boundary.begin(), model_.boundary.end());
     model_.boundary.erase(std::unique(model_.boundary.begin(), model_.boundary.end()), model_.boundary.end());

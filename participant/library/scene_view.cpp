@@ -100,9 +100,8 @@ void SceneView::view_bodies() {
   for (std::uint32_t b = 0; b < mbd.bodies.size(); ++b) {
     const scene::Body& body = mbd.bodies[b];
     const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
-    const bool walls = scene_.dem && std::ranges::any_of(scene_.dem->walls, [&](const scene::Wall& wall) {
-                         return wall.body == BodyId{b};
-                       });
+    const bool walls =
+        std::ranges::any_of(scene_.walls(), [&](const scene::Wall& wall) { return wall.body == BodyId{b}; });
     bodies_.push_back({kept(body.name),
                        body.mass,
                        {xx, xy, xz, xy, yy, yz, xz, yz, zz},

@@ -34,11 +34,11 @@ constexpr auto coordinator_patience = 10min;
 // Defaults of a server's --lease and --patience [s].
 constexpr double standard_lease = 0.4, standard_patience = 3600;
 
-constexpr Role role_of(const MotionSolver*) {
+Role role_of(const MotionSolver&) {
   return Role::mbd;
 }
-constexpr Role role_of(const LoadSolver*) {
-  return Role::dem;
+Role role_of(const LoadSolver& solver) {
+  return solver.role();
 }
 
 struct Options {
@@ -191,8 +191,8 @@ int run(int argc, char** argv, const Program& itself,
     expect_stack();
     const StateFolders folders(options.state_folders);
     const auto patience = bounded_seconds(options.patience, least_patience, most_patience, "--patience");
-    const std::unique_ptr<Channel> channel = open(options, role_of(static_cast<AnySolver*>(nullptr)));
     const std::unique_ptr<AnySolver> solver = make();
+    const std::unique_ptr<Channel> channel = open(options, role_of(*solver));
     std::atomic<std::uint64_t> window = 0;
     const Watch watch(*channel, window);
     return serve(*channel, *solver, release, {&window, &folders, patience});

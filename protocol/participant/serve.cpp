@@ -22,8 +22,8 @@ std::string host_name() {
 constexpr Role role_of(const MotionSolver&) {
   return Role::mbd;
 }
-constexpr Role role_of(const LoadSolver&) {
-  return Role::dem;
+Role role_of(const LoadSolver& solver) {
+  return solver.role();
 }
 
 template <class AnySolver>

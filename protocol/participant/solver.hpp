@@ -53,6 +53,8 @@ class MotionSolver : public Solver {
 // Particle side: motion in, loads out.
 class LoadSolver : public Solver {
  public:
+  // dem, or sph for a liquid.
+  virtual Role role() const { return Role::dem; }
   std::uint64_t capabilities() const override { return capabilities_of(Role::dem); }
   // can_interpolate: follows pose and twist inside the window; can_window_mean: the load is the impulse over
   // the window, divided by its length.

@@ -1,8 +1,12 @@
 // A liquid on the threads of a CPU: its arrays, the order of the loops of a step, and its balances.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "common/geometry/triangle_mesh.hpp"
@@ -18,7 +22,7 @@ struct LiquidSetup {
   scene::Box domain;                // particles must stay in it [m]
   dem::Periods periods;             // of the domain
   std::vector<TriangleMesh> walls;  // one per body, in its frame
-  bool slip = false;                // walls without friction
+  std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
   unsigned threads = 1;             // 0: see dem::ThreadPool
 };
 
@@ -39,8 +43,10 @@ struct EnergyBalance {
   double viscosity = 0;       // of viscosity in the liquid and at walls, negative
   double bulk_viscosity = 0;  // negative
   double diffusion = 0;       // of density diffusion
-  double ghost = 0;           // of the hydrostatic part of the pressure behind walls, relative to the walls
-  double walls = 0;           // of moving walls on the liquid
+  // Of the gradient of the pressure of the ghost liquid behind walls, relative to the walls. Walls at rest
+  // exchange it with the liquid and keep none of it over a cycle.
+  double ghost = 0;
+  double walls = 0;  // of moving walls on the liquid
   // Work on bodies of the loads that they exchange at common edges; it is no energy of the liquid, and zero
   // where these bodies do not move apart.
   double edges = 0;
@@ -76,8 +82,22 @@ class LiquidEngine {
   // walls of two bodies meet, the loads include what each exerts on the other through the ghost liquid behind
   // them; their sum is the exact opposite of the force on the liquid.
   virtual std::vector<Wrench> loads() const = 0;
+  // The same as the mean over the last step, about the origins at its begin: times dt it is the opposite of
+  // the impulse that the liquid got from the bodies.
+  virtual const std::vector<Wrench>& step_loads() const = 0;
+  virtual Vec3d momentum() const = 0;  // of the liquid [kg m/s]
   virtual EnergyBalance energies() const = 0;
   virtual StepFigures figures() const = 0;
+
+  // One copy of the whole state in memory. restore() may be called more than once per save().
+  virtual void save() = 0;
+  virtual void restore() = 0;
+  // The same as named arrays. An engine of the same setup that has read them continues with the same bits.
+  // read: Error{resource} where an array has another size.
+  using Sink = std::function<void(const std::string& name, std::span<const std::byte> bytes)>;
+  using Source = std::function<std::vector<std::byte>(const std::string& name)>;
+  virtual void write(const Sink& sink) const = 0;
+  virtual void read(const Source& source) = 0;
 };
 
 // Error{scene} for a liquid whose properties are out of range. `single`: pair arithmetic and what neighbours

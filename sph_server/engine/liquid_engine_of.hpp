@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -15,6 +15,7 @@
 #include "particles/grid/cell_grid.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
+#include "sph_server/neighbours/neighbour_list.hpp"
 #include "sph_server/step/advance.hpp"
 #include "sph_server/step/sum_rates.hpp"
 
@@ -22,7 +23,15 @@ namespace tandem::sph {
 
 inline constexpr double list_skin = 0.3;  // [spacings]
 
-template <class Real>
+// Sums of one thread, one per body.
+struct BodySums {
+  std::vector<BodySum> of;
+  void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
+    of[body].add(acceleration, torque, q);
+  }
+};
+
+template <class Real, bool shifting>
 class LiquidEngineOf final : public LiquidEngine {
  public:
   using LiquidEngine::set_state;
@@ -32,7 +41,7 @@ class LiquidEngineOf final : public LiquidEngine {
       : setup_(setup),
         reach_(setup.liquid.support() + list_skin * setup.liquid.spacing),
         pool_(setup.threads),
-        walls_(setup.walls, reach_),
+        walls_(setup.walls, reach_, setup.slip),
         unit_(dem::LengthUnit<Real>::for_lengths(4 * setup.liquid.support())) {
     expect_liquid(setup.liquid);
     round_periods();
@@ -40,13 +49,15 @@ class LiquidEngineOf final : public LiquidEngine {
     for (int a = 0; a < 3; ++a)
       farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
     centres_ = dem::CentreUnit<Real>::for_range(unit_, farthest, 4);
-    rates_.unit = unit_;
-    rates_.centres = centres_;
-    rates_.pair = PairConstants<Real>::of(setup.liquid);
-    rates_.wall = WallConstants::of(setup.liquid, setup.slip);
-    rates_.wall_kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     rates_.properties = setup.liquid;
-    rates_.walls = &walls_;
+    rates_.pairs.unit = unit_;
+    rates_.pairs.pair = PairConstants<Real>::of(setup.liquid);
+    rates_.walls.centres = centres_;
+    rates_.walls.wall = WallConstants::of(setup.liquid);
+    rates_.walls.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
+    rates_.walls.mass = setup.liquid.mass();
+    rates_.walls.spacing = setup.liquid.spacing;
+    rates_.walls.walls = walls_.view();
     advance_.centres = centres_;
     advance_.periods = setup_.periods;
     advance_.properties = setup.liquid;
@@ -66,6 +77,7 @@ class LiquidEngineOf final : public LiquidEngine {
       dem::set_velocity(state.velocity[i], velocity_[i], fine);
       fine_[i] = fine;
       compression_[i] = state.compression[i];
+      slope_[i] = (setup_.liquid.density * setup_.liquid.gravity).template as<Real>();
       advance_.update_state(i);
     }
     set_quanta(n);
@@ -75,6 +87,8 @@ class LiquidEngineOf final : public LiquidEngine {
     // The first step has no step before it.
     acceleration_[1] = acceleration_[0];
     rate_[1] = rate_[0];
+    previous_body_sums_ = body_sums_;
+    step_loads_ = loads();
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
     last_dt_ = 0;
     work_ = {};
@@ -98,6 +112,12 @@ class LiquidEngineOf final : public LiquidEngine {
     for (int p = 0; p < powers; ++p)
       work_.of[p] += dt * ((1 + advance_.weight) * power_[p] - advance_.weight * previous_power_[p]);
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
+    for (std::size_t b = 0; b < step_loads_.size(); ++b) {
+      const Wrench now = wrench_of(body_sums_[b]), before = wrench_of(previous_body_sums_[b]);
+      step_loads_[b] = {(1 + advance_.weight) * now.force - advance_.weight * before.force,
+                        (1 + advance_.weight) * now.torque - advance_.weight * before.torque};
+    }
+    previous_body_sums_ = body_sums_;
     last_dt_ = dt;
     set_poses(poses);
     std::vector<double> farthest2(pool_.size(), 0.0);
@@ -121,31 +141,28 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.packing_pressure = pressure;
     advance_.damping = damping;
     rates_.properties.gravity = {};
-    rates_.pair.weight = {};
-    rates_.wall.weight = {};
+    rates_.walls.continued = false;
     for (std::uint32_t i = 0; i < position_.size(); ++i) advance_.update_state(i);
     sum_rates();
     acceleration_[1] = acceleration_[0];
     for (int k = 0; k < steps; ++k) step(dt, poses());
     rates_.properties.gravity = setup_.liquid.gravity;
-    rates_.pair.weight = PairConstants<Real>::of(setup_.liquid).weight;
-    rates_.wall.weight = WallConstants::of(setup_.liquid, setup_.slip).weight;
+    rates_.walls.continued = true;
     advance_.packing_pressure = 0;
     advance_.damping = 1;
   }
 
   std::vector<Wrench> loads() const override {
     std::vector<Wrench> loads;
-    const double mass = setup_.liquid.mass();
-    for (const BodySum& s : body_sums_) {
-      Wrench w;
-      for (int a = 0; a < 3; ++a) {
-        w.force[a] = mass * dem::from_fixed(s.acceleration[a], rates_.quanta.acceleration);
-        w.torque[a] = dem::from_fixed(s.torque[a], rates_.quanta.torque);
-      }
-      loads.push_back(w);
-    }
+    for (const BodySum& s : body_sums_) loads.push_back(wrench_of(s));
     return loads;
+  }
+  const std::vector<Wrench>& step_loads() const override { return step_loads_; }
+
+  Vec3d momentum() const override {
+    Vec3d sum;
+    for (std::size_t i = 0; i < velocity_.size(); ++i) sum += dem::velocity_of(velocity_[i], fine_[i]);
+    return setup_.liquid.mass() * sum;
   }
 
   EnergyBalance energies() const override {
@@ -168,7 +185,74 @@ class LiquidEngineOf final : public LiquidEngine {
 
   StepFigures figures() const override { return figures_; }
 
+  void save() override {
+    saved_.clear();
+    each_array(*this, [&](const char*, const auto& array) {
+      const auto bytes = bytes_of(array);
+      saved_.emplace_back(bytes.begin(), bytes.end());
+    });
+    saved_list_ = list_;
+  }
+  void restore() override {
+    std::size_t next = 0;
+    each_array(*this, [&](const char*, auto& array) { assign(saved_.at(next++), array); });
+    list_ = saved_list_;
+    use_list();
+    place_walls(poses_);
+  }
+
+  // Arrays without an element, as those of bodies without walls, are in no file.
+  void write(const Sink& sink) const override {
+    each_array(*this, [&](const char* name, const auto& array) {
+      if (const auto bytes = bytes_of(array); !bytes.empty()) sink(name, bytes);
+    });
+  }
+  void read(const Source& source) override {
+    each_array(*this, [&](const char* name, auto& array) {
+      const std::size_t size = bytes_of(array).size();
+      if (size == 0) return;
+      const std::vector<std::byte> bytes = source(name);
+      if (bytes.size() != size)
+        throw Error(ErrorCode::resource,
+                    "its array '" + std::string(name) + "' has " + std::to_string(bytes.size()) + " bytes",
+                    {}, "continue from another checkpoint");
+      assign(bytes, array);
+    });
+    // The lists are those of the positions and poses when they were built.
+    place_walls(built_poses_);
+    build_list(grid_, setup_.periods, built_at_, reach_, walls_, pool_, list_);
+    use_list();
+    place_walls(poses_);
+  }
+
  private:
+  // All that a step reads and that follows from nothing else, besides the lists.
+  template <class Engine, class Visit>
+  static void each_array(Engine& e, Visit visit) {
+    visit("position", e.position_);
+    visit("velocity", e.velocity_);
+    visit("fine", e.fine_);
+    visit("pressure_volume", e.state_);
+    visit("slope", e.slope_);
+    if constexpr (shifting) visit("shift", e.shift_);
+    visit("compression", e.compression_);
+    visit("acceleration", e.acceleration_[0]);
+    visit("previous_acceleration", e.acceleration_[1]);
+    visit("rate", e.rate_[0]);
+    visit("previous_rate", e.rate_[1]);
+    visit("body_sums", e.body_sums_);
+    visit("previous_body_sums", e.previous_body_sums_);
+    visit("step_loads", e.step_loads_);
+    visit("poses", e.poses_);
+    visit("built_at", e.built_at_);
+    visit("built_poses", e.built_poses_);
+    visit("power", e.power_);
+    visit("previous_power", e.previous_power_);
+    visit("work", e.work_.of);
+    visit("last_dt", e.last_dt_);
+    visit("figures", e.figures_);
+  }
+
   template <class Each>
   void for_each(Each each) {
     const std::size_t n = position_.size();
@@ -178,8 +262,46 @@ class LiquidEngineOf final : public LiquidEngine {
     });
   }
 
-  void set_poses(const std::vector<dem::BodyPose>& poses) {
+  void place_walls(const std::vector<dem::BodyPose>& poses) {
     for (std::uint32_t body = 0; body < walls_.bodies(); ++body) walls_.set_pose(body, poses[body]);
+  }
+  void set_poses(const std::vector<dem::BodyPose>& poses) {
+    poses_ = poses;
+    place_walls(poses);
+  }
+
+  // The bytes of an array, or of a single value.
+  template <class Array>
+  static auto bytes_of(Array& array) {
+    if constexpr (requires { std::span(array); })
+      return as_bytes_of(std::span(array));
+    else
+      return as_bytes_of(std::span(&array, 1));
+  }
+  template <class T, std::size_t extent>
+  static auto as_bytes_of(std::span<T, extent> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return std::as_bytes(values);
+  }
+  template <class Array>
+  static void assign(const std::vector<std::byte>& bytes, Array& array) {
+    const std::span<const std::byte> to = bytes_of(array);
+    if (!bytes.empty()) std::memcpy(const_cast<std::byte*>(to.data()), bytes.data(), bytes.size());
+  }
+
+  Wrench wrench_of(const BodySum& s) const {
+    Wrench w;
+    for (int a = 0; a < 3; ++a) {
+      w.force[a] = setup_.liquid.mass() * dem::from_fixed(s.acceleration[a], quanta_.acceleration);
+      w.torque[a] = dem::from_fixed(s.torque[a], quanta_.torque);
+    }
+    return w;
+  }
+
+  void use_list() {
+    liquid_.start = list_.start.data();
+    liquid_.neighbour = list_.neighbour.data();
+    give_arrays();
   }
 
   Vec3d centre(std::uint32_t i) const { return centres_.metres(centres_.joined(position_[i], fine_[i])); }
@@ -203,10 +325,10 @@ class LiquidEngineOf final : public LiquidEngine {
       if constexpr (std::is_same_v<Real, float>) {
         const double quanta = std::nearbyint(length * unit_.inverse);
         length = quanta * static_cast<double>(unit_.size);
-        rates_.period[a] =
+        rates_.pairs.period[a] =
             static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(quanta)));
       } else {
-        rates_.period[a] = length;
+        rates_.pairs.period[a] = length;
       }
       setup_.domain.max[a] = setup_.domain.min[a] + length;
     }
@@ -222,33 +344,38 @@ class LiquidEngineOf final : public LiquidEngine {
       acceleration_[side].assign(n, {});
       rate_[side].assign(n, 0.0);
     }
-    liquid_ = {static_cast<std::uint32_t>(n),
-               position_.data(),
-               velocity_.data(),
-               fine_.data(),
-               state_.data(),
-               compression_.data(),
-               {},
-               {},
-               nullptr,
-               nullptr};
+    slope_.assign(n, {});
+    liquid_.count = static_cast<std::uint32_t>(n);
+    liquid_.position = position_.data();
+    liquid_.velocity = velocity_.data();
+    liquid_.fine = fine_.data();
+    liquid_.state = state_.data();
+    liquid_.compression = compression_.data();
+    liquid_.slope = slope_.data();
+    if constexpr (shifting) {
+      shift_.assign(n, {});
+      liquid_.shift = shift_.data();
+    }
     for (int side = 0; side < 2; ++side) {
       liquid_.acceleration[side] = acceleration_[side].data();
       liquid_.rate[side] = rate_[side].data();
     }
-    rates_.liquid = advance_.liquid = liquid_;
+    give_arrays();
   }
+
+  void give_arrays() { rates_.pairs.liquid = rates_.walls.liquid = advance_.liquid = liquid_; }
 
   // Sums reach their range only in a liquid that has long burst.
   void set_quanta(std::size_t n) {
     const Liquid& l = setup_.liquid;
     const double c = l.sound_speed, many = static_cast<double>(n);
     const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
-    rates_.quanta.acceleration = dem::Quantum::for_range(acceleration);
-    rates_.quanta.rate = dem::Quantum::for_range(1e4 * c / l.spacing);
-    rates_.quanta.power = dem::Quantum::for_range(many * l.mass() * acceleration * c);
+    quanta_.acceleration = dem::Quantum::for_range(acceleration);
+    quanta_.rate = dem::Quantum::for_range(1e4 * c / l.spacing);
+    quanta_.power = dem::Quantum::for_range(many * l.mass() * acceleration * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
-    rates_.quanta.torque = dem::Quantum::for_range(l.mass() * acceleration * norm(size));
+    quanta_.torque = dem::Quantum::for_range(l.mass() * acceleration * norm(size));
+    rates_.pairs.quanta = rates_.walls.quanta = quanta_;
   }
 
   void rebuild() {
@@ -269,8 +396,7 @@ class LiquidEngineOf final : public LiquidEngine {
     if (grid_.total == 0)
       grid_ = dem::make_cell_grid(setup_.domain, setup_.periods, reach_, dem::most_cells(x.size()));
     build_list(grid_, setup_.periods, x, reach_, walls_, pool_, list_);
-    rates_.liquid.start = list_.start.data();
-    rates_.liquid.neighbour = list_.neighbour.data();
+    use_list();
     built_at_ = std::move(x);
     built_poses_ = walls_.poses();
     ++figures_.rebuilds;
@@ -278,35 +404,27 @@ class LiquidEngineOf final : public LiquidEngine {
 
   void sum_rates() {
     std::vector<Tally> tallies(pool_.size());
-    std::vector<std::vector<BodySum>> bodies(pool_.size(), std::vector<BodySum>(walls_.bodies()));
-    for_each([&](unsigned thread, std::uint32_t i) { rates_(i, tallies[thread], bodies[thread].data()); });
+    std::vector<BodySums> bodies(pool_.size(), BodySums{std::vector<BodySum>(walls_.bodies())});
+    for_each([&](unsigned thread, std::uint32_t i) { rates_(i, tallies[thread], bodies[thread]); });
     Tally sum;
     body_sums_.assign(walls_.bodies(), {});
     for (unsigned t = 0; t < pool_.size(); ++t) {
-      for (int p = 0; p < powers; ++p) sum.power[p] += tallies[t].power[p];
-      for (int a = 0; a < 3; ++a) sum.momentum_rate[a] += tallies[t].momentum_rate[a];
-      sum.largest_speed2 = std::max(sum.largest_speed2, tallies[t].largest_speed2);
-      sum.largest_acceleration2 = std::max(sum.largest_acceleration2, tallies[t].largest_acceleration2);
-      sum.largest_compression = std::max(sum.largest_compression, tallies[t].largest_compression);
-      sum.crowded_by_facets += tallies[t].crowded_by_facets;
-      for (std::uint32_t b = 0; b < walls_.bodies(); ++b)
-        for (int a = 0; a < 3; ++a) {
-          body_sums_[b].acceleration[a] += bodies[t][b].acceleration[a];
-          body_sums_[b].torque[a] += bodies[t][b].torque[a];
-        }
+      sum.add(tallies[t]);
+      for (std::uint32_t b = 0; b < walls_.bodies(); ++b) body_sums_[b].add(bodies[t].of[b]);
     }
     if (sum.crowded_by_facets > 0)
       throw Error(ErrorCode::scene,
                   "more than " + std::to_string(NearWalls::most) + " facets within " +
-                      scene::rounded(setup_.liquid.support()) + " m of a particle",
+                      scene::rounded(setup_.liquid.support()) +
+                      " m of a particle, or facets that hide each other in very many parts",
                   "walls", "give a mesh with larger triangles, or a smaller spacing of the liquid");
-    for (int p = 0; p < powers; ++p) power_[p] = dem::from_fixed(sum.power[p], rates_.quanta.power);
-    figures_.largest_speed = std::sqrt(std::bit_cast<double>(sum.largest_speed2));
-    figures_.largest_acceleration = std::sqrt(std::bit_cast<double>(sum.largest_acceleration2));
-    figures_.largest_compression = std::bit_cast<double>(sum.largest_compression);
+    for (int p = 0; p < powers; ++p) power_[p] = dem::from_fixed(sum.power[p], quanta_.power);
+    figures_.largest_speed = std::sqrt(sum.largest_speed2);
+    figures_.largest_acceleration = std::sqrt(sum.largest_acceleration2);
+    figures_.largest_compression = sum.largest_compression;
     for (int a = 0; a < 3; ++a)
       figures_.pair_impulse_rate[a] =
-          setup_.liquid.mass() * dem::from_fixed(sum.momentum_rate[a], rates_.quanta.acceleration);
+          setup_.liquid.mass() * dem::from_fixed(sum.momentum_rate[a], quanta_.acceleration);
   }
 
   struct Work {
@@ -326,13 +444,19 @@ class LiquidEngineOf final : public LiquidEngine {
   std::vector<dem::PositionRadius<Real>> position_;
   std::vector<dem::VelocityKind<Real>> velocity_;
   std::vector<dem::FinePart<Real>> fine_;
-  std::vector<PressureVolume<Real>> state_;
+  std::vector<ParticleState<Real>> state_;
+  std::vector<Vec3<Real>> slope_, shift_;
   std::vector<double> compression_;
   std::vector<Vec3d> acceleration_[2];
   std::vector<double> rate_[2];
-  std::vector<BodySum> body_sums_;
+  std::vector<BodySum> body_sums_, previous_body_sums_;
+  std::vector<Wrench> step_loads_;
+  std::vector<dem::BodyPose> poses_;
+  std::vector<std::vector<std::byte>> saved_;  // in the order of each_array
+  NeighbourList saved_list_;
   LiquidArrays<Real> liquid_;
-  SumRates<Real> rates_;
+  SumRates<Real, shifting> rates_;
+  Quanta quanta_;
   Advance<Real> advance_;
   double power_[powers]{}, previous_power_[powers]{};  // [W]
   Work work_;

@@ -49,8 +49,7 @@ CoupledRun::CoupledRun(protocol::MotionSolver& mbd, protocol::LoadSolver& dem, c
   try {
     for (protocol::Remote* remote : {mbd_.get(), dem_.get()}) {
       remote->set_patience(30s);
-      remote->register_peer(
-          remote == mbd_.get() ? launch::needed_of_mbd(scene_) : launch::needed_of_dem(scene_), 10s);
+      remote->register_peer(launch::needed_of(remote->role(), scene_), 10s);
       remote->configure({text, "test.json", {}, {}, "cpu", 1});
     }
   } catch (const Error&) {
@@ -61,7 +60,7 @@ CoupledRun::CoupledRun(protocol::MotionSolver& mbd, protocol::LoadSolver& dem, c
     dem_thread_.join();
     throw;
   }
-  coupler_ = std::make_unique<launch::Coupler>(scene_, launch::Solvers{mbd_.get(), dem_.get()});
+  coupler_ = std::make_unique<launch::Coupler>(scene_, launch::Solvers{mbd_.get(), {dem_.get()}});
 }
 
 CoupledRun::~CoupledRun() {

@@ -5,8 +5,8 @@
 
 namespace tandem::launch {
 
-ParticleSeries::ParticleSeries(const std::filesystem::path& folder)
-    : folder_(folder), index_(folder, "particles") {}
+ParticleSeries::ParticleSeries(const std::filesystem::path& folder, const std::string& name)
+    : folder_(folder), name_(name), index_(folder, name) {}
 
 void ParticleSeries::append(const protocol::ParticlesFrame& frame, const std::vector<Column>& columns) {
   std::vector<float> speed(frame.id.size());
@@ -23,7 +23,7 @@ void ParticleSeries::append(const protocol::ParticlesFrame& frame, const std::ve
   };
   // Radius and id hardly differ between neighbouring particles and compress well; the other data do not
   // compress.
-  XdmfGrid grid{.name = "particles", .points = write("/position", frame.position, 3)};
+  XdmfGrid grid{.name = name_, .points = write("/position", frame.position, 3)};
   // 0, 1, 2, ... are rewritten only after a change of the number of particles.
   if (points_.path.empty() || points_.rows != frame.id.size()) {
     std::vector<std::uint32_t> points(frame.id.size());

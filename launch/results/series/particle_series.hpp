@@ -1,7 +1,8 @@
-// particles.h5 + particles.xdmf: all particles, frame by frame. HDF5: /frame_000000/{position [m] (n x 3,
+// particles.h5 + particles.xdmf: all spheres, frame by frame; liquid.h5 + liquid.xdmf: the particles of the
+// liquid. HDF5: /frame_000000/{position [m] (n x 3,
 // float64: a stored frame must resolve overlaps), velocity [m/s] (n x 3), spin [rad/s] (n x 3), speed [m/s]
 // (n), radius [m] (n), id (n)}, attribute "time" [s] of the group. Each group is a link to a separate file:
-// frames/particles_000000.h5.
+// frames/particles_000000.h5, frames/liquid_000000.h5.
 #pragma once
 
 #include <filesystem>
@@ -16,8 +17,8 @@ namespace tandem::launch {
 
 class ParticleSeries {
  public:
-  // `folder` contains the folder for frames.
-  explicit ParticleSeries(const std::filesystem::path& folder);
+  // `folder` contains the folder for frames; `name`: of the series, "particles" or "liquid".
+  ParticleSeries(const std::filesystem::path& folder, const std::string& name);
   // More columns of the spheres, one value for each. They are in the file as /NAME, and in ParaView.
   struct Column {
     std::string name;
@@ -28,6 +29,7 @@ class ParticleSeries {
 
  private:
   std::filesystem::path folder_;
+  std::string name_;
   FrameIndex index_;
   DatasetInfo points_;  // 0 .. n - 1, the point list that XDMF needs
 };

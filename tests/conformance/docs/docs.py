@@ -181,7 +181,7 @@ def literal(cell):
         return text if text != cell and re.fullmatch(r"[\w.]+", text) else None
 
 
-# The structs of common/scene/model.hpp that are not named as the definition of the schema is.
+# The structs of common/scene/model*.hpp that are not named as the definition of the schema is.
 STRUCTS = {"particle_group": "ParticleGroup", "fill:lattice": "LatticeFill", "fill:inlet": "InletFill", "shape:mesh": "MeshShape",
            "constant_function": "ConstantMotion", "harmonic_function": "HarmonicMotion", "motion:ramp": "RampMotion",
            "size:ramp": "RampMotion", "motion:table": "TableMotion", "size:table": "TableMotion", "body_force": "BodyLoad",
@@ -189,9 +189,10 @@ STRUCTS = {"particle_group": "ParticleGroup", "fill:lattice": "LatticeFill", "fi
 
 
 def model_defaults(root):
-    """(struct, member) -> its initial value in common/scene/model.hpp, as JSON has it."""
+    """(struct, member) -> its initial value in common/scene/model*.hpp, as JSON has it."""
     found = {}
-    for struct, body in re.findall(r"^struct (\w+) \{(.*?)^\};", (root / "common/scene/model.hpp").read_text(), re.DOTALL | re.MULTILINE):
+    text = "".join(path.read_text() for path in sorted((root / "common/scene").glob("model*.hpp")))
+    for struct, body in re.findall(r"^struct (\w+) \{(.*?)^\};", text, re.DOTALL | re.MULTILINE):
         body = re.sub(r"//.*", "", body)
         for member, value in re.findall(r"(\w+)\s*=\s*([^,;{}]+)[,;]", body):
             name = re.fullmatch(r"\w+::(\w+)", value)
@@ -285,7 +286,7 @@ def declared(root):
         "error": set(re.findall(r'return "(\w+)";', naming)) - {"unknown"},
         "exit": set(re.findall(r"return (\d+);", status)) | {"0", "1"},
         "violation": set(re.findall(r'return "(\w+)";', (root / "protocol/violation.cpp").read_text())) - {"unknown"},
-        "rule": set(re.findall(r'push_back\(\s*\{"(\w+)",', (root / "launch/verdict/verdict.cpp").read_text())),
+        "rule": set(re.findall(r'push_back\(\s*\{"(\w+)",', "".join((root / "launch/verdict" / name).read_text() for name in ("verdict.cpp", "liquid_rules.cpp") if (root / "launch/verdict" / name).is_file()))),
     }
 
 

@@ -3,7 +3,7 @@
 
 common <- protocol <- {mbd_server, dem_server, sph_server} <- launch, common <- particles <- {dem_server, sph_server, participant}, and participant <- launch: a part
 includes itself and the parts to its left. Tests include all.
-In a server only coupling/ and main.cpp include protocol/. In a server and in particles each folder is a layer that includes only itself
+In a server only coupling/ and main.cpp include protocol/, in particles only serving/. In a server and in particles each folder is a layer that includes only itself
 and the layers below it. CUDA headers appear only in CUDA sources.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
@@ -21,20 +21,20 @@ BELOW = {
     "common": set(),
     "protocol": {"common"},
     "mbd_server": {"common", "protocol"},
-    "particles": {"common"},
+    "particles": {"common", "protocol"},
     "dem_server": {"common", "protocol", "particles"},
     "sph_server": {"common", "protocol", "particles"},
     "participant": {"common", "protocol", "particles"},
-    "launch": {"common", "protocol", "mbd_server", "particles", "dem_server"},
+    "launch": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server"},
     "tests": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server", "participant", "launch"},
 }
 # The layers of particles and of each server, from the lowest up.
 LAYERS = {
     "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "contact", "setup", "solve", "step", "io",
                    "coupling", "main.cpp"],
-    "particles": ["base", "geometry", "grid", "io", "state", "backend"],
+    "particles": ["base", "geometry", "grid", "io", "state", "backend", "serving"],
     "dem_server": ["laws", "contact", "neighbours", "step", "backend", "engine", "coupling", "main.cpp"],
-    "sph_server": ["kernel", "equations", "neighbours", "step", "engine"],
+    "sph_server": ["kernel", "equations", "neighbours", "step", "engine", "io", "coupling", "main.cpp"],
 }
 # What the participant kit uses of particles: the spheres of a scene at the start, and paths of bodies.
 KIT = ["base", "geometry", "io"]
@@ -79,8 +79,9 @@ def offence(root, path, quote, target):
             return f"{part} must not include {target_part}"
         if part == "participant" and target_part == "particles" and pathlib.PurePath(target).parts[1] not in KIT:
             return "participant uses the layers " + ", ".join(KIT) + " of particles only"
-        if part in LAYERS and target_part == "protocol" and path.parts[1] not in ("coupling", "main.cpp"):
-            return "in a server only coupling/ and main.cpp include protocol/"
+        above = ("serving",) if part == "particles" else ("coupling", "main.cpp")
+        if part in LAYERS and target_part == "protocol" and path.parts[1] not in above:
+            return f"in {part} only " + " and ".join(above) + " may include protocol/"
         if part in LAYERS and target_part == part:
             return upward(part, path.parts[1], pathlib.PurePath(target).parts[1])
     if part != "tests" and quote == '"' and not (root / target).is_file() and not is_generated(root, target):

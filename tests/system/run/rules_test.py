@@ -32,7 +32,7 @@ class Rules(Case):
         if not folder.exists():
             folder.mkdir()
             shutil.copy2(options.bin / "tandem", folder)  # it starts the servers that are next to it
-            for side in ("mbd", "dem"):
+            for side in ("mbd", "dem", "sph"):
                 source = options.faulty if side == faulty else options.bin
                 os.symlink(source / f"{side}_server", folder / f"{side}_server")
         return folder

@@ -114,15 +114,15 @@ TEST(Accounts, MomentumOfTheParticlesAgainstGravityReactionsAndLosses) {
   account.momentum_end = {0, 0, -1};  // 1 - 10 + 6 - (-2)
   Accounts accounts;
   accounts.record(exchange);
-  EXPECT_NEAR(accounts.momentum_balance(), 0, 1e-15);
+  EXPECT_NEAR(accounts.particles().momentum(), 0, 1e-15);
   EXPECT_EQ(accounts.micro_steps(), 10u);
 
   // The next window begins where this one has ended.
   account.momentum_begin = {0, 0, -1};
   account.momentum_end = {0, 0, -3};
   accounts.record(exchange);
-  EXPECT_NEAR(accounts.momentum_balance(), 0, 1e-15);
-  EXPECT_NEAR(accounts.momentum_balance_windows(), 0, 1e-15);
+  EXPECT_NEAR(accounts.particles().momentum(), 0, 1e-15);
+  EXPECT_NEAR(accounts.particles().momentum_windows(), 0, 1e-15);
 }
 
 TEST(Accounts, AMomentumThatJumpsBetweenWindowsIsSeen) {
@@ -134,12 +134,12 @@ TEST(Accounts, AMomentumThatJumpsBetweenWindowsIsSeen) {
   account.gravity_impulse = account.momentum_end = {0, 0, -10};
   Accounts accounts;
   accounts.record(exchange);
-  EXPECT_EQ(accounts.momentum_balance(), 0);
-  EXPECT_EQ(accounts.largest_micro_step(), 0.1);
+  EXPECT_EQ(accounts.particles().momentum(), 0);
+  EXPECT_EQ(accounts.particles().largest_micro_step(), 0.1);
   account.momentum_begin = {0, 0, -9};
   account.momentum_end = {0, 0, -19};
   accounts.record(exchange);
-  EXPECT_NEAR(accounts.momentum_balance(), 1.0 / 20, 1e-15);
+  EXPECT_NEAR(accounts.particles().momentum(), 1.0 / 20, 1e-15);
 }
 
 TEST(Accounts, MomentumThatNothingExplainsIsRelativeToTheLargestImpulse) {
@@ -154,7 +154,7 @@ TEST(Accounts, MomentumThatNothingExplainsIsRelativeToTheLargestImpulse) {
   account.momentum_begin = {0, 0, -10};
   account.momentum_end = {0, 0, -19.5};
   accounts.record(exchange);
-  EXPECT_NEAR(accounts.momentum_balance(), 0.5 / 20, 1e-15)
+  EXPECT_NEAR(accounts.particles().momentum(), 0.5 / 20, 1e-15)
       << "relative to the largest: gravity in two windows";
   EXPECT_FALSE(accounts.coupled()) << "no body takes part";
 }

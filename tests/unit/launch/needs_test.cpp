@@ -31,15 +31,17 @@ scene::Scene with(scene::Scheme scheme) {
 
 TEST(Needs, AreOnlyWhatTheSchemeUses) {
   using scene::Scheme;
-  EXPECT_EQ(needed_of_mbd(with(Scheme::mbd_first)), 0u) << "it predicts nothing";
+  EXPECT_EQ(needed_of(protocol::Role::mbd, with(Scheme::mbd_first)), 0u) << "it predicts nothing";
   for (const Scheme scheme : {Scheme::parallel, Scheme::dem_first})
-    EXPECT_EQ(needed_of_mbd(with(scheme)), std::uint64_t{can_predict});
+    EXPECT_EQ(needed_of(protocol::Role::mbd, with(scheme)), std::uint64_t{can_predict});
   for (const Scheme scheme : {Scheme::parallel, Scheme::mbd_first, Scheme::dem_first})
-    EXPECT_EQ(needed_of_dem(with(scheme)), forward);
-  EXPECT_EQ(needed_of_mbd(with(Scheme::implicit)), std::uint64_t{can_predict | can_rollback});
-  EXPECT_EQ(needed_of_dem(with(Scheme::implicit)), forward | can_rollback);
-  EXPECT_EQ(needed_of_mbd(with(Scheme::linear_implicit)), std::uint64_t{can_predict | can_rollback});
-  EXPECT_EQ(needed_of_dem(with(Scheme::linear_implicit)), forward | can_linearise)
+    EXPECT_EQ(needed_of(protocol::Role::dem, with(scheme)), forward);
+  EXPECT_EQ(needed_of(protocol::Role::mbd, with(Scheme::implicit)),
+            std::uint64_t{can_predict | can_rollback});
+  EXPECT_EQ(needed_of(protocol::Role::dem, with(Scheme::implicit)), forward | can_rollback);
+  EXPECT_EQ(needed_of(protocol::Role::mbd, with(Scheme::linear_implicit)),
+            std::uint64_t{can_predict | can_rollback});
+  EXPECT_EQ(needed_of(protocol::Role::dem, with(Scheme::linear_implicit)), forward | can_linearise)
       << "only the bodies repeat";
 }
 
@@ -47,39 +49,41 @@ TEST(Needs, AreThoseOfTheOtherSettings) {
   scene::Scene scene = box();
   scene.coupling.load = scene::LoadShape::linear;
   scene.coupling.path = scene::PathShape::quadratic;
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_extrapolate}) << "it predicts by extrapolate";
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_extrapolate})
+      << "it predicts by extrapolate";
   scene.coupling.adaptive.emplace();
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_extrapolate | can_rollback});
-  EXPECT_EQ(needed_of_dem(scene), forward | can_rollback);
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_extrapolate | can_rollback});
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene), forward | can_rollback);
   scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}, "drive"});
-  EXPECT_TRUE(needed_of_mbd(scene) & can_control);
+  EXPECT_TRUE(needed_of(protocol::Role::mbd, scene) & can_control);
   scene.dem.reset();
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_control}) << "bodies alone are controlled, too";
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_control})
+      << "bodies alone are controlled, too";
+}
+
+std::vector<std::string> schemes(const scene::Scene& scene, std::uint64_t of_mbd, std::uint64_t of_dem) {
+  return possible_schemes(scene, {{Role::mbd, "bodies 1", of_mbd}, {Role::dem, "spheres 1", of_dem}});
 }
 
 TEST(Needs, SchemesThatArePossibleFollowFromThePair) {
-  EXPECT_THAT(possible_schemes(box(), every_capability, every_capability),
+  EXPECT_THAT(schemes(box(), every_capability, every_capability),
               ElementsAre("parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"));
-  EXPECT_THAT(possible_schemes(box(), can_predict, forward),
-              ElementsAre("parallel", "mbd_first", "dem_first"));
-  EXPECT_THAT(possible_schemes(box(), 0, forward), ElementsAre("mbd_first"));
-  EXPECT_THAT(possible_schemes(box(), every_capability, forward | can_rollback),
+  EXPECT_THAT(schemes(box(), can_predict, forward), ElementsAre("parallel", "mbd_first", "dem_first"));
+  EXPECT_THAT(schemes(box(), 0, forward), ElementsAre("mbd_first"));
+  EXPECT_THAT(schemes(box(), every_capability, forward | can_rollback),
               ElementsAre("parallel", "mbd_first", "dem_first", "implicit"));
-  EXPECT_THAT(possible_schemes(box(), every_capability, can_interpolate), IsEmpty())
-      << "no scheme without mean loads";
+  EXPECT_THAT(schemes(box(), every_capability, can_interpolate), IsEmpty()) << "no scheme without mean loads";
 }
 
 TEST(Needs, SchemesThatArePossibleFitTheOtherSettings) {
   scene::Scene scene = box();
   scene.coupling.load = scene::LoadShape::linear;
   scene.coupling.path = scene::PathShape::quadratic;
-  EXPECT_THAT(possible_schemes(scene, every_capability, every_capability),
-              ElementsAre("dem_first", "implicit"));
-  EXPECT_THAT(possible_schemes(scene, can_predict | can_rollback, every_capability), IsEmpty());
+  EXPECT_THAT(schemes(scene, every_capability, every_capability), ElementsAre("dem_first", "implicit"));
+  EXPECT_THAT(schemes(scene, can_predict | can_rollback, every_capability), IsEmpty());
   scene = with(scene::Scheme::implicit);
   scene.coupling.iteration.emplace();
-  EXPECT_THAT(possible_schemes(scene, can_predict, forward),
-              ElementsAre("parallel", "mbd_first", "dem_first"))
+  EXPECT_THAT(schemes(scene, can_predict, forward), ElementsAre("parallel", "mbd_first", "dem_first"))
       << "`iteration` leaves with `implicit`";
 }
 
@@ -129,26 +133,28 @@ TEST(Needs, ResultsOfElementsAreNeededWhereACheckOrASensorUsesThem) {
   scene.checks.clear();
   const std::string joint = scene.mbd->joints.at(0).name;
   scene.mbd->forces.push_back(scene::Actuator{"motor", JointId{0}, scene::ConstantMotion{}});
-  EXPECT_EQ(needed_of_mbd(scene), 0u) << "elements.csv is left out";
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), 0u) << "elements.csv is left out";
   scene.checks.emplace_back().of = "motor.power";
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_observe_elements});
   EXPECT_THAT(
       refusal(scene, every_capability & ~can_observe_elements, 0),
       HasSubstr("check of 'motor.power' needs results of motors, cylinders and other elements, which "));
   scene.checks[0].of = "summary.elements.motor.power.largest";
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_observe_elements});
   scene.checks[0].of = joint + ".q";
-  EXPECT_EQ(needed_of_mbd(scene), 0u);
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), 0u);
   scene.mbd->sensors = {"motor.power"};
-  EXPECT_EQ(needed_of_mbd(scene), std::uint64_t{can_observe_elements});
+  EXPECT_EQ(needed_of(protocol::Role::mbd, scene), std::uint64_t{can_observe_elements});
 }
 
 TEST(Needs, ContactsOfSpheresAreNeededWhereFramesHaveThem) {
   scene::Scene scene = box();
   scene.output.fields = {scene::SphereField::group, scene::SphereField::material};
-  EXPECT_EQ(needed_of_dem(scene) & can_observe_contacts, 0u) << "the coordinator knows them itself";
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts, 0u)
+      << "the coordinator knows them itself";
   scene.output.fields.push_back(scene::SphereField::mean_stress);
-  EXPECT_EQ(needed_of_dem(scene) & can_observe_contacts, std::uint64_t{can_observe_contacts});
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts,
+            std::uint64_t{can_observe_contacts});
   EXPECT_THAT(refusal(scene, every_capability, every_capability & ~can_observe_contacts),
               HasSubstr("output.fields 'mean_stress' needs the contacts of the spheres in frames, which "
                         "liggghts 3.8 does not offer (leave 'mean_stress' out of output.fields)"));
@@ -156,11 +162,12 @@ TEST(Needs, ContactsOfSpheresAreNeededWhereFramesHaveThem) {
 
 TEST(Needs, FieldsOfWallsAndContactsOfBodiesNeedTheirCapabilities) {
   scene::Scene scene = box();
-  EXPECT_EQ(needed_of_dem(scene) & (can_observe_contacts | can_observe_walls), 0u);
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & (can_observe_contacts | can_observe_walls), 0u);
   scene.output.wall_fields = {"box"};
-  EXPECT_EQ(needed_of_dem(scene) & can_observe_walls, std::uint64_t{can_observe_walls});
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_walls, std::uint64_t{can_observe_walls});
   scene.output.contacts = {ground};
-  EXPECT_EQ(needed_of_dem(scene) & can_observe_contacts, std::uint64_t{can_observe_contacts});
+  EXPECT_EQ(needed_of(protocol::Role::dem, scene) & can_observe_contacts,
+            std::uint64_t{can_observe_contacts});
 }
 
 }  // namespace

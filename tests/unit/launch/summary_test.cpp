@@ -65,10 +65,14 @@ TEST(Summary, ChecksKnowTheNumbersOfTheSolvers) {
   scene::Scene scene;
   scene.mbd.emplace();
   scene.dem.emplace().outlets.emplace_back();
+  scene.sph.emplace();
   const std::vector<std::string> keys = scene::summary_keys(scene);
-  for (const Role role : {Role::mbd, Role::dem})
+  for (const Role role : protocol::all_roles)
     for (std::string key : protocol::numeric_facts(role)) {
-      if (key == "solver_seconds") key = (role == Role::mbd ? "mbd_" : "dem_") + key;
+      if (role == Role::sph)
+        key = "sph." + key;
+      else if (key == "solver_seconds")
+        key = (role == Role::mbd ? "mbd_" : "dem_") + key;
       EXPECT_TRUE(std::ranges::count(keys, key) == 1) << key;
     }
 }

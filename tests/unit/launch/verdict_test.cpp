@@ -51,6 +51,8 @@ Json good_run() {
       "angular_impulse_outstanding": [0, 0, 0], "momentum_residual": 0, "angular_momentum_residual": 0,
       "omega_H": 1, "stable_omega_H": 1.5, "stable_window_s": 2e-4,
       "stable_scheme": "linear_implicit"}},
+    "sph": {"sound_speed_m_per_s": 20, "longest_step_s": 1e-4, "density_error": 0.01, "mach": 0.05, "passed_walls": 0,
+      "particles": 1000, "energy_residual_J": 0, "energy_scale_J": 10, "momentum_balance": 0},
     "warnings": []})");
 }
 
@@ -225,6 +227,24 @@ const std::vector<RuleCase>& rule_cases() {
        crossing(0.0099),
        crossing(0.02),
        {"wall 'tyre' of 'wheel' and wall 'floor' of 'ground'", "0.2 s", "0.002 m", "limits"}},
+      // The error falls with the square of the speed of sound, with a tenth in reserve.
+      {"liquid_density",
+       "/sph/density_error",
+       0.029,
+       0.12,
+       {"off by up to 0.12", "sound_speed of 44 m/s (now 20)"}},
+      {"mach",
+       "/sph/mach",
+       0.099,
+       0.2,
+       {"0.2 of the speed of sound", "sound_speed of 40 m/s (now 20)", "expected_speed of 4 m/s"}},
+      {"passed_walls", "/sph/passed_walls", 0, 3, {"3 times a particle", "sound_speed of 30 m/s (now 20)"}},
+      {"energy_liquid",
+       "/sph/energy_residual_J",
+       -0.099,
+       -0.2,
+       {"0.02 of the energy", "sph.micro_step = 5e-05 s"}},
+      {"momentum_liquid", "/sph/momentum_balance", 0.9e-6, 1.1e-6, {"\"precision\": \"double\""}},
   };
   return all;
 }
@@ -234,6 +254,7 @@ Verdict verdict_of(const scene::Scene& scene, const Json& summary) {
   protocol::SolverFacts facts;
   for (const auto role : {protocol::Role::mbd, protocol::Role::dem})
     protocol::decode_facts(role, summary.dump(), facts);
+  if (summary.contains("sph")) protocol::decode_facts(protocol::Role::sph, summary["sph"].dump(), facts);
   return judge({scene, summary, facts});
 }
 

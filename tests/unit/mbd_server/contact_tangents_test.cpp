@@ -19,8 +19,8 @@ using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 scene::Scene box_on_plane(const Quaterniond& R) {
   scene::Scene scene = machines::empty(to_vec3(R * Vector3d(0, 0, -g)));
   const double depth = mass * g / (4 * k);
-  const BodyId box =
-      machines::add_body(scene, "box", mass, {1e-3, 1e-3, 1e-3}, to_vec3(R * Vector3d(0, 0, half.z() - depth)));
+  const BodyId box = machines::add_body(scene, "box", mass, {1e-3, 1e-3, 1e-3},
+                                        to_vec3(R * Vector3d(0, 0, half.z() - depth)));
   scene.mbd->bodies[0].pose.q_WB = {R.w(), R.x(), R.y(), R.z()};
   scene.contact.emplace();
   scene.contact->materials.push_back({"stuff", k, 0, 0, 0.5, 0.5});
@@ -61,7 +61,8 @@ TEST(ContactTangents, OfABoxAreTheSumOverItsCorners) {
                     measured = Eigen::Map<const RowMajor6>(set.bodies[0].stiffness.data()),
                     damping = Eigen::Map<const RowMajor6>(set.bodies[0].damping.data());
     const double error = (measured - expected).norm() / expected.norm();
-    std::printf("  stiffness of four corners: relative error %.1e  tolerance 1e-5 (turning of the load)\n", error);
+    std::printf("  stiffness of four corners: relative error %.1e  tolerance 1e-5 (turning of the load)\n",
+                error);
     EXPECT_LT(error, 1e-5);
     const Vector3d n = R * Vector3d::UnitZ();
     EXPECT_GT(n.dot(damping.topLeftCorner<3, 3>() * n), 0);

@@ -57,7 +57,8 @@ Seen run(const std::string& text, MotionSolver& mbd, LoadSolver& dem,
   const launch::Coupler& coupler = coupled.coupler();
   const auto& sums = coupler.body_momentum().sums().at(0);
   const Seen seen{sums.linear(), sums.angular(), coupler.accounts().impulse_closure(),
-                  coupler.accounts().momentum_balance(), coupler.accounts().momentum_balance_windows()};
+                  coupler.accounts().particles().momentum(),
+                  coupler.accounts().particles().momentum_windows()};
   std::printf("  %s: linear %.2e, angular %.2e, closure %.2e, particles %.2e, in windows %.2e\n",
               scheme.c_str(), seen.linear, seen.angular, seen.impulse_closure, seen.momentum,
               seen.momentum_windows);

@@ -31,7 +31,7 @@ std::vector<std::string> machine_scenes() {
     if (entry.path().extension() != ".json") continue;
     try {
       const scene::Scene scene = launch::read_scene(entry.path()).scene;
-      if (scene.dem || !scene.mbd->sensors.empty()) continue;
+      if (scene.has_particles() || !scene.mbd->sensors.empty()) continue;
     } catch (const Error&) {
       // The test of this scene reports it.
     }

@@ -1,0 +1,88 @@
+#include <cmath>
+
+#include "common/scene/validate_parts.hpp"
+
+namespace tandem::scene {
+
+namespace {
+
+// Share of a spacing by which the edge of a box may differ from a whole number of spacings.
+constexpr double edge_tolerance = 1e-6;
+// Particles have indices of 26 bits in the lists of neighbours.
+constexpr double most_particles = (1 << 26) - 1;
+
+void validate_fill_of(const Box& box, const Sph& sph, const std::string& origin, const std::string& path) {
+  require_box(box.min, box.max, origin, path);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double edge = box.max[axis] - box.min[axis], count = edge / sph.spacing;
+    if (std::round(count) < 1 || std::abs(count - std::round(count)) > edge_tolerance * std::fmax(1, count)) {
+      const double fewer = std::fmax(1, std::floor(count));
+      fail(origin, element(path + ".max", axis),
+           "the box is " + text(edge) + " m wide along " + "xyz"[axis] + ", which is " + rounded(count) +
+               " times sph.spacing",
+           "particles are cubes of one spacing: give " + rounded(box.min[axis] + fewer * sph.spacing) +
+               " or " + rounded(box.min[axis] + (fewer + 1) * sph.spacing) + ", or a spacing of " +
+               rounded(edge / fewer));
+    }
+    const char* side = box.min[axis] < sph.domain.min[axis]   ? "min"
+                       : box.max[axis] > sph.domain.max[axis] ? "max"
+                                                              : nullptr;
+    if (!side) continue;
+    const bool low = side[1] == 'i';
+    fail(origin, element(path + "." + side, axis),
+         text((low ? box.min : box.max)[axis]) + " m is outside the domain, which ends at " +
+             text((low ? sph.domain.min : sph.domain.max)[axis]) + " m",
+         "enlarge sph.domain or move the fill");
+  }
+}
+
+// Boxes that have more than a rounding in common.
+bool overlap(const Box& a, const Box& b, double spacing) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::fmin(a.max[axis], b.max[axis]) - std::fmax(a.min[axis], b.min[axis]) <= edge_tolerance * spacing)
+      return false;
+  return true;
+}
+
+double particles_in(const Box& box, double spacing) {
+  double count = 1;
+  for (int axis = 0; axis < 3; ++axis) count *= std::round((box.max[axis] - box.min[axis]) / spacing);
+  return count;
+}
+
+}  // namespace
+
+void validate_sph(const Scene& scene, const std::string& origin) {
+  const Sph& sph = *scene.sph;
+  require_box(sph.domain.min, sph.domain.max, origin, "sph.domain");
+  if (sph.liquids.size() > 1)
+    fail(origin, element("sph.liquids", 1),
+         "'" + sph.liquids[1].name + "' is a second liquid, and the solver computes one",
+         "leave one of them");
+  if (sph.micro_step && *sph.micro_step > scene.coupling.window)
+    fail(origin, "sph.micro_step",
+         "the micro step of " + text(*sph.micro_step) + " s is longer than the window of " +
+             text(scene.coupling.window) + " s",
+         "a window holds whole steps");
+  const Liquid& liquid = sph.liquids.front();
+  const std::string path = element("sph.liquids", 0);
+  if (!liquid.sound_speed && liquid.expected_speed == 0 && norm(scene.gravity) == 0)
+    fail(origin, path, "no speed of sound follows: there is no gravity, and no speed is expected",
+         "give expected_speed, the largest speed that the run will have [m/s], or sound_speed");
+  double count = 0;
+  for (std::size_t i = 0; i < liquid.fill.size(); ++i) {
+    const std::string of_box = element(path + ".fill", i);
+    validate_fill_of(liquid.fill[i], sph, origin, of_box);
+    for (std::size_t k = 0; k < i; ++k)
+      if (overlap(liquid.fill[i], liquid.fill[k], sph.spacing))
+        fail(origin, of_box, "the box overlaps " + element(path + ".fill", k),
+             "the liquid would be there twice: let the boxes touch");
+    count += particles_in(liquid.fill[i], sph.spacing);
+  }
+  if (count > most_particles)
+    fail(origin, "sph.spacing",
+         "the liquid has " + rounded(count) + " particles, more than " + rounded(most_particles),
+         "give a larger spacing");
+}
+
+}  // namespace tandem::scene

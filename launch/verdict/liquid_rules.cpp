@@ -1,0 +1,107 @@
+#include "launch/verdict/liquid_rules.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sph_server/equations/limits.hpp"
+
+namespace tandem::launch {
+namespace {
+
+using Figures = std::optional<std::vector<Figure>>;
+
+constexpr const char* the_liquid = "the liquid";
+
+Figures of_liquid(std::optional<double> value) {
+  if (!value) return std::nullopt;
+  return std::vector<Figure>{{the_liquid, *value}};
+}
+
+// A number that the coordinator has measured of the liquid.
+std::optional<double> measured(const RunFigures& run, const char* key) {
+  const auto block = run.summary.find("sph");
+  if (block == run.summary.end()) return std::nullopt;
+  const auto found = block->find(key);
+  if (found == block->end() || !found->is_number()) return std::nullopt;
+  return found->get<double>();
+}
+
+// "use a sound_speed of 30 m/s (now 20)", for one that is `factor` times larger.
+std::string faster_sound(const RunFigures& run, double factor) {
+  const auto now = run.facts.sph.sound_speed;
+  return now ? fmt::format("use a sound_speed of {:.2g} m/s (now {:.3g})", factor * *now, *now)
+             : fmt::format("use a speed of sound {:.2g} times as large", factor);
+}
+
+}  // namespace
+
+void add_liquid_rules(std::vector<Rule>& table) {
+  const auto fixed = static_cast<double (*)(const scene::Scene&)>(nullptr);
+  table.push_back(
+      {"liquid_density", "sph.density_error", sph::largest_density_error,
+       "a liquid is meant to keep its density; volumes and pressures are off by about this share",
+       "a larger speed of sound", fixed,
+       [](const RunFigures& run) { return of_liquid(run.facts.sph.density_error); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "the density of the liquid is off by up to {:.2g} (limit {:.2g}): {}; the step becomes "
+             "shorter by the same factor",
+             f.value, limit, faster_sound(run, 1.1 * std::sqrt(f.value / limit)));
+       }});
+  table.push_back(
+      {"mach", "sph.mach", sph::largest_mach,
+       "up to a tenth of the speed of sound walls keep the liquid, and its density varies by about "
+       "1 %",
+       "a larger speed of sound", fixed, [](const RunFigures& run) { return of_liquid(run.facts.sph.mach); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "the fastest particle of the liquid has {:.2g} of the speed of sound (limit {:.2g}): {}, "
+             "or an expected_speed of {:.2g} m/s",
+             f.value, limit, faster_sound(run, f.value / limit),
+             f.value * run.facts.sph.sound_speed.value_or(0));
+       }});
+  table.push_back({"passed_walls", "sph.passed_walls", 0, "a wall keeps the liquid on its side",
+                   "a larger speed of sound, or a smaller spacing", fixed,
+                   [](const RunFigures& run) -> Figures {
+                     const auto passed = run.facts.sph.passed_walls;
+                     return passed ? of_liquid(static_cast<double>(*passed)) : std::nullopt;
+                   },
+                   [](const RunFigures& run, const Figure& f, double) {
+                     return fmt::format(
+                         "{:.0f} times a particle of the liquid passed a wall: {}, or a smaller "
+                         "sph.spacing",
+                         f.value, faster_sound(run, 1.5));
+                   }});
+  table.push_back(
+      {"energy_liquid", "abs(sph.energy_residual_J) / sph.energy_scale_J", 0.01,
+       "kinetic energy and energy of compression change by the work of gravity, walls, viscosity and "
+       "diffusion; the rest is an error of the integration",
+       "a shorter step of the liquid", fixed,
+       [](const RunFigures& run) -> Figures {
+         const auto residual = run.facts.sph.energy_residual, scale = run.facts.sph.energy_scale;
+         if (!residual || !scale) return std::nullopt;
+         return of_liquid(*residual == 0 ? 0 : std::abs(*residual) / *scale);
+       },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "the balance of energy of the liquid is open by {:.2g} of the energy that moved (limit "
+             "{:.2g}): use sph.micro_step = {:.2g} s",
+             f.value, limit, 0.5 * run.facts.sph.longest_step.value_or(0));
+       }});
+  table.push_back(
+      {"momentum_liquid", "sph.momentum_balance", 1e-6,
+       "the momentum balance of the liquid with gravity and walls closes up to the rounding of its "
+       "stored state",
+       "precision `double`, or a participant that records all forces", fixed,
+       [](const RunFigures& run) { return of_liquid(measured(run, "momentum_balance")); },
+       [](const RunFigures&, const Figure& f, double limit) {
+         return fmt::format(
+             "the momentum of the liquid is off by {:.2g} of what acts on it (limit {:.0e}): use "
+             "\"precision\": \"double\", or a participant that records all forces of walls "
+             "(docs/protocol.md)",
+             f.value, limit);
+       }});
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,68 @@
+// The state of the liquid on disk: that of the engine, and what the solver itself keeps from window to
+// window.
+#include <fmt/format.h>
+
+#include <span>
+
+#include "common/error.hpp"
+#include "common/state_file.hpp"
+#include "sph_server/coupling/load_solver.hpp"
+
+namespace tandem::sph {
+namespace {
+
+constexpr const char* state_kind = "tandem liquid state";
+// Version of the contents. It must be raised with every change of the state that an engine keeps.
+constexpr std::uint64_t state_version = 1;
+
+std::string name_in_file(const std::string& name) {
+  return "engine/" + name;
+}
+
+}  // namespace
+
+void Solver::checkpoint(const protocol::Checkpoint& order) {
+  StateWriter file(order.path, state_kind, state_version);
+  file.write("precision", precision_name());
+  file.write("particles", std::uint64_t{particles_});
+  file.write("memory", std::as_bytes(std::span(&memory_, 1)));
+  engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
+    file.write(name_in_file(name), bytes);
+  });
+  file.commit();
+}
+
+void Solver::resume(const protocol::Checkpoint& order) {
+  const StateReader file(order.path, state_kind, state_version);
+  const auto expect = [&](const char* what, const std::string& found, const std::string& ours) {
+    if (found != ours)
+      throw Error(ErrorCode::scene, fmt::format("is a state of {} {}, the scene has {}", what, found, ours),
+                  order.path, "give the scene that the state was saved from");
+  };
+  std::uint64_t particles = 0;
+  file.read("particles", particles);
+  expect("precision", file.text("precision"), precision_name());
+  expect("particles:", std::to_string(particles), std::to_string(particles_));
+  Memory memory;
+  file.read("memory", std::as_writable_bytes(std::span(&memory, 1)));
+  if (!memory.is_possible())
+    throw Error(ErrorCode::resource, "its array 'memory' is damaged: a figure is not possible", order.path,
+                "continue from another checkpoint");
+  if (memory.now != order.time.count)
+    throw Error(ErrorCode::resource,
+                fmt::format("is the state at {} s, not at {} s", to_seconds(Nanoseconds{memory.now}),
+                            to_seconds(order.time)),
+                order.path, "give the files of one checkpoint");
+  try {
+    engine_->read([&](const std::string& name) {
+      std::vector<std::byte> bytes(file.size(name_in_file(name)));
+      file.read(name_in_file(name), std::span(bytes));
+      return bytes;
+    });
+  } catch (const Error& error) {
+    throw error.where().empty() ? Error(error.code(), error.problem(), order.path, error.hint()) : error;
+  }
+  memory_ = memory;
+}
+
+}  // namespace tandem::sph

@@ -1,0 +1,82 @@
+// The solver of liquids as a participant of the protocol: it receives the motion of the bodies and returns
+// the loads of the liquid.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "particles/serving/boundary.hpp"
+#include "protocol/participant/solver.hpp"
+#include "sph_server/engine/liquid_engine.hpp"
+
+namespace tandem::sph {
+
+class Solver final : public protocol::LoadSolver {
+ public:
+  protocol::Role role() const override { return protocol::Role::sph; }
+  protocol::Configured configure(const protocol::Configuration& configuration) override;
+  const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
+  const protocol::ParticlesFrame& observe() override;
+  void snapshot() override;
+  const protocol::ParticlesFrame& read_snapshot() override;
+  void save() override;
+  void restore() override;
+  void checkpoint(const protocol::Checkpoint& file) override;
+  void resume(const protocol::Checkpoint& file) override;
+  protocol::Report report() override;
+  std::uint64_t capabilities() const override {
+    return LoadSolver::capabilities() | protocol::can_checkpoint | protocol::can_snapshot |
+           protocol::can_observe_liquid;
+  }
+
+ private:
+  // What the solver keeps from window to window besides the engine's state: a rollback restores it, and a
+  // restart file holds it. Numbers only, without gaps.
+  struct Memory {
+    std::int64_t now = 0;  // [ns]
+    std::uint64_t micro_steps = 0;
+    double density_error = 0;  // largest |rho/rho0 - 1| [-]
+    double speed = 0;          // largest of a particle [m/s]
+    double shortest_step = 0;  // [s]; 0: none was taken
+    double energy_start = 0;   // kinetic and of compression [J]
+    double energy_scale = 0;   // largest sum of energy and of the sizes of its changes [J]
+    double energy_residual = 0;
+
+    bool is_possible() const;
+  };
+
+  // More than any sound window has.
+  static constexpr double most_steps = 1e7;
+  // Below this share of the step of the liquid at rest its particles fly apart.
+  static constexpr double least_step_share = 0.01;
+
+  double step_at_rest() const;  // [s]
+  // The next step that the present state allows, of `left` seconds of a window [s].
+  double next_step(double left) const;
+  void set_paths(const protocol::MotionSet& motion);
+  void add_step(double begin, double dt, double length);
+  void watch_limits();
+  void watch_energy();
+  void fill(const LiquidState& state, Nanoseconds time, protocol::ParticlesFrame& frame) const;
+  void warn(const std::string& sentence);
+  std::vector<std::string> warnings_of_run() const;
+  std::string precision_name() const;
+
+  scene::Scene scene_;
+  Liquid properties_;
+  std::unique_ptr<LiquidEngine> engine_;
+  std::vector<dem::BoundaryBody> bodies_;  // with walls, the ground last
+  std::size_t particles_ = 0;
+  Memory memory_, saved_;
+  std::vector<dem::PreparedPath> paths_;
+  std::vector<dem::BodyPose> poses_, previous_poses_;   // of bodies_, at the ends of the present step
+  double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
+  bool warned_density_ = false, warned_mach_ = false;
+  std::vector<std::string> warnings_;
+  protocol::LoadSet loads_;
+  LiquidState kept_;  // of the snapshot
+  protocol::ParticlesFrame frame_, snapshot_;
+};
+
+}  // namespace tandem::sph

@@ -1,0 +1,86 @@
+#include "sph_server/io/body_walls.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "common/error.hpp"
+
+namespace tandem::sph {
+namespace {
+
+// How far flat faces may be inside a round surface [spacings].
+constexpr double deviation = 0.01;
+
+// Faces around a circle of this radius: a multiple of four, at least 24.
+int segments_of(double radius, double spacing) {
+  const double share = std::min(0.5, deviation * spacing / radius);
+  const double count = std::numbers::pi / std::acos(1 - share);
+  return 4 * static_cast<int>(std::ceil(std::max(24.0, count) / 4));
+}
+
+// A square of the plane that the domain does not reach beyond.
+TriangleMesh square_of(const scene::PlaneShape& plane, const Pose& pose, const scene::Sph& sph) {
+  const Vec3d normal = normalized(pose.q_WB.rotate(plane.normal)),
+              point = pose.p_WB + pose.q_WB.rotate(plane.point);
+  const Vec3d middle = 0.5 * (sph.domain.min + sph.domain.max),
+              centre = middle - dot(middle - point, normal) * normal;
+  const Vec3d helper = std::fabs(normal.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const double half = norm(sph.domain.max - sph.domain.min) + 4 * sph.spacing;
+  const Vec3d u = half * normalized(cross(normal, helper)), v = cross(normal, u);
+  return {{centre - u - v, centre + u - v, centre + u + v, centre - u + v}, {{0, 1, 2}, {0, 2, 3}}};
+}
+
+void append(const TriangleMesh& mesh, TriangleMesh& to) {
+  const auto first = static_cast<std::uint32_t>(to.vertices.size());
+  to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  for (const auto& t : mesh.triangles) to.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
+}  // namespace
+
+std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+  const scene::Sph& sph = scene.sph.value();
+  std::map<BodyId, BodyWalls> bodies;
+  for (const scene::Wall& wall : sph.walls) {
+    BodyWalls& body = bodies[wall.body];
+    body.body = wall.body;
+    const auto add = [&](const TriangleMesh& mesh) { append(transformed(mesh, wall.pose), body.mesh); };
+    const auto round = [&](double radius, const auto& mesh_of) {
+      const int segments = segments_of(radius, sph.spacing);
+      add(mesh_of(segments));
+      body.inside.push_back(
+          fmt::format("wall '{}' has {} flat faces around, at most {:.2g} m inside its round surface",
+                      wall.name, segments, radius * (1 - std::cos(std::numbers::pi / segments))));
+    };
+    if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
+      append(square_of(*plane, wall.pose, sph), body.mesh);
+    } else if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
+      add(box_mesh(box->size, box->open));
+    } else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape)) {
+      const auto mesh = [&](int segments) {
+        return cylinder_mesh(cylinder->radius, cylinder->height.value(), segments, cylinder->open);
+      };
+      if (cylinder->segments)
+        add(mesh(*cylinder->segments));
+      else
+        round(cylinder->radius, mesh);
+    } else if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape)) {
+      round(sphere->radius, [&](int segments) { return sphere_mesh(sphere->radius, segments); });
+    } else {
+      const auto named = std::ranges::find(meshes, wall.name, &NamedMesh::name);
+      if (named == meshes.end())
+        throw Error(ErrorCode::protocol, "no mesh came with wall '" + wall.name + "'", "sph.walls",
+                    "the coordinator must send the mesh of every wall");
+      add(named->mesh);
+    }
+  }
+  std::vector<BodyWalls> all;
+  for (auto& [id, body] : bodies) all.push_back(std::move(body));
+  return all;
+}
+
+}  // namespace tandem::sph

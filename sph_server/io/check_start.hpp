@@ -1,0 +1,21 @@
+// Refuses a start in which a wall is inside the liquid.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "particles/geometry/path.hpp"
+#include "sph_server/io/body_walls.hpp"
+#include "sph_server/io/fill.hpp"
+
+namespace tandem::sph {
+
+// A particle fills half a spacing around its centre; walls may be nearer by this share, since faces of round
+// shapes and edges of meshes are not on the lattice.
+inline constexpr double nearest_wall = 0.3;  // [spacings]
+
+// `poses`: of the bodies at the start. Error{scene} for a site that is too near to a wall.
+void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
+                 std::span<const dem::BodyPose> poses);
+
+}  // namespace tandem::sph

@@ -1,0 +1,107 @@
+// Scenes with a liquid: what is read, and what is refused.
+#include "common/scene/parse.hpp"
+#include "tests/unit/common/good_scene.hpp"
+#include "tests/unit/common/wrong_scene.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace tandem::scene::test {
+namespace {
+
+#define LIQUID(more)                                               \
+  R"({"name": "water", "density": 1000, "viscosity": 0.001,)" more \
+  R"("fill": [{"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.1]}]})"
+#define SPH_WITH(liquids, more)                                                                   \
+  R"({"op": "add", "path": "/sph", "value": {"spacing": 0.02, "liquids": [)" liquids R"(],)" more \
+  R"("domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}}})"
+#define SPH(liquids, more) "[" SPH_WITH(liquids, more) "]"
+#define FILL(boxes) SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": [)" boxes "]}", "")
+
+TEST(Sph, IsRead) {
+  const nlohmann::json json = good_scene().patch(
+      nlohmann::json::parse(SPH(LIQUID(R"("velocity": [1, 0, 0], "pressure": "zero", "expected_speed": 3,)"),
+                                R"("wall_friction": "free_slip", "precision": "double", "micro_step": 1e-4,
+             "walls": [{"name": "tub", "body": "crate", "shape": {"type": "box", "size": [1, 1, 1], "open": ["+z"]}}],)")));
+  const Scene scene = parse(json.dump(), "scene.json");
+  EXPECT_NO_THROW(validate(scene, "scene.json"));
+  ASSERT_TRUE(scene.sph && scene.sph->liquids.size() == 1);
+  const Liquid& liquid = scene.sph->liquids[0];
+  EXPECT_EQ(liquid.density, 1000);
+  EXPECT_EQ(liquid.velocity.x, 1);
+  EXPECT_EQ(liquid.expected_speed, 3);
+  EXPECT_FALSE(liquid.sound_speed);
+  EXPECT_EQ(liquid.pressure, StartPressure::zero);
+  EXPECT_EQ(scene.sph->wall_friction, WallFriction::free_slip);
+  EXPECT_EQ(scene.sph->precision, LiquidPrecision::full);
+  EXPECT_EQ(scene.sph->walls.size(), 1u);
+  EXPECT_EQ(scene.walls().size(), scene.dem->walls.size() + 1);
+  EXPECT_LE(scene.domain().min.x, -1);
+}
+
+// A wall of both lists is one surface.
+TEST(Sph, WallsOfTheSameNameAreOneSurface) {
+  nlohmann::json json = good_scene().patch(nlohmann::json::parse(SPH(LIQUID(""), "")));
+  nlohmann::json wall = json["dem"]["walls"][0];
+  wall.erase("material");
+  wall.erase("surface_velocity");
+  json["sph"]["walls"] = {wall};
+  const Scene scene = parse(json.dump(), "scene.json");
+  EXPECT_EQ(scene.walls().size(), scene.dem->walls.size());
+  json["sph"]["walls"][0]["position"] = {0, 0, 0.123};
+  EXPECT_THROW(parse(json.dump(), "scene.json"), Error);
+}
+
+const WrongScene wrong_sph[] = {
+    {"NoDensity", SPH(R"({"name": "water", "viscosity": 0, "fill": []})", ""),
+     "sph.liquids[0]: the key 'density' is missing (add density: density without pressure [kg/m3])"},
+    {"TwoLiquids",
+     SPH(LIQUID("") R"(, {"name": "oil", "density": 900, "viscosity": 0.1,
+         "fill": [{"type": "box", "min": [0, 0, 0.2], "max": [0.2, 0.2, 0.3]}]})",
+         ""),
+     "sph.liquids[1]: 'oil' is a second liquid, and the solver computes one (leave one of them)"},
+    {"SoundSpeedAndExpectedSpeed", SPH(LIQUID(R"("sound_speed": 20, "expected_speed": 2,)"), ""),
+     "sph.liquids[0].expected_speed: the speed of sound is given, and expected_speed is for choosing it "
+     "(leave "
+     "one of them out)"},
+    {"PartOfASpacing", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0.21, 0.1]})"),
+     "sph.liquids[0].fill[0].max[1]: the box is 0.21 m wide along y, which is 10.5 times sph.spacing "
+     "(particles "
+     "are cubes of one spacing: give 0.2 or 0.22, or a spacing of 0.021)"},
+    {"EmptyBox", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0, 0.1]})"),
+     "sph.liquids[0].fill[0].max[1]: 0 m is not above the minimum of 0 m (min < max along each axis)"},
+    {"BeyondTheDomain", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 1.2]})"),
+     "sph.liquids[0].fill[0].max[2]: 1.2 m is outside the domain, which ends at 1 m (enlarge sph.domain or "
+     "move "
+     "the fill)"},
+    {"Twice", FILL(R"({"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.1]},
+             {"type": "box", "min": [0.1, 0, 0], "max": [0.3, 0.2, 0.1]})"),
+     "sph.liquids[0].fill[1]: the box overlaps sph.liquids[0].fill[0] (the liquid would be there twice: let "
+     "the "
+     "boxes touch)"},
+    {"LongStep", SPH(LIQUID(""), R"("micro_step": 0.5,)"),
+     "sph.micro_step: the micro step of 0.5 s is longer than the window of 0.001 s (a window holds whole "
+     "steps)"},
+    {"NoSpeedOfSound",
+     "[" SPH_WITH(LIQUID(""), "") R"(, {"op": "add", "path": "/gravity", "value": [0, 0, 0]}])",
+     "sph.liquids[0]: no speed of sound follows: there is no gravity, and no speed is expected (give "
+     "expected_speed, the largest speed that the run will have [m/s], or sound_speed)"},
+    {"EndlessCylinder",
+     SPH(LIQUID(""), R"("walls": [{"name": "pipe", "shape": {"type": "cylinder", "radius": 1}}],)"),
+     "sph.walls[0].shape: the cylinder is endless, and the liquid knows no such wall (give it a height)"},
+    {"PlaneOnABody",
+     SPH(LIQUID(""),
+         R"("walls": [{"name": "lid", "body": "crate", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],)"),
+     "sph.walls[0].shape: the plane is on a body that moves, and the liquid knows no endless walls there "
+     "(give a "
+     "face of a box: a box with five open faces)"},
+    {"MaterialOfAWall",
+     SPH(LIQUID(""),
+         R"("walls": [{"name": "lid", "material": "steel", "shape": {"type": "box", "size": [1, 1, 1]}}],)"),
+     "sph.walls[0]: unknown key 'material' (the keys are name, body, position, orientation, relative_to, "
+     "shape)"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Sph, WrongSceneTest, testing::ValuesIn(wrong_sph), name_of_case);
+
+}  // namespace
+}  // namespace tandem::scene::test
