@@ -18,7 +18,7 @@ struct LiquidSetup {
   scene::Box domain;                // particles must stay in it [m]
   dem::Periods periods;             // of the domain
   std::vector<TriangleMesh> walls;  // one per body, in its frame
-  bool slip = false;                // walls without friction
+  std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
   unsigned threads = 1;             // 0: see dem::ThreadPool
 };
 
@@ -39,8 +39,10 @@ struct EnergyBalance {
   double viscosity = 0;       // of viscosity in the liquid and at walls, negative
   double bulk_viscosity = 0;  // negative
   double diffusion = 0;       // of density diffusion
-  double ghost = 0;           // of the hydrostatic part of the pressure behind walls, relative to the walls
-  double walls = 0;           // of moving walls on the liquid
+  // Of the gradient of the pressure of the ghost liquid behind walls, relative to the walls. Walls at rest
+  // exchange it with the liquid and keep none of it over a cycle.
+  double ghost = 0;
+  double walls = 0;  // of moving walls on the liquid
   // Work on bodies of the loads that they exchange at common edges; it is no energy of the liquid, and zero
   // where these bodies do not move apart.
   double edges = 0;

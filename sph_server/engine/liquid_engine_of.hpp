@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string>
 #include <type_traits>
@@ -15,6 +14,7 @@
 #include "particles/grid/cell_grid.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
+#include "sph_server/neighbours/neighbour_list.hpp"
 #include "sph_server/step/advance.hpp"
 #include "sph_server/step/sum_rates.hpp"
 
@@ -22,7 +22,15 @@ namespace tandem::sph {
 
 inline constexpr double list_skin = 0.3;  // [spacings]
 
-template <class Real>
+// Sums of one thread, one per body.
+struct BodySums {
+  std::vector<BodySum> of;
+  void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
+    of[body].add(acceleration, torque, q);
+  }
+};
+
+template <class Real, bool shifting>
 class LiquidEngineOf final : public LiquidEngine {
  public:
   using LiquidEngine::set_state;
@@ -32,7 +40,7 @@ class LiquidEngineOf final : public LiquidEngine {
       : setup_(setup),
         reach_(setup.liquid.support() + list_skin * setup.liquid.spacing),
         pool_(setup.threads),
-        walls_(setup.walls, reach_),
+        walls_(setup.walls, reach_, setup.slip),
         unit_(dem::LengthUnit<Real>::for_lengths(4 * setup.liquid.support())) {
     expect_liquid(setup.liquid);
     round_periods();
@@ -40,13 +48,15 @@ class LiquidEngineOf final : public LiquidEngine {
     for (int a = 0; a < 3; ++a)
       farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
     centres_ = dem::CentreUnit<Real>::for_range(unit_, farthest, 4);
-    rates_.unit = unit_;
-    rates_.centres = centres_;
-    rates_.pair = PairConstants<Real>::of(setup.liquid);
-    rates_.wall = WallConstants::of(setup.liquid, setup.slip);
-    rates_.wall_kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     rates_.properties = setup.liquid;
-    rates_.walls = &walls_;
+    rates_.pairs.unit = unit_;
+    rates_.pairs.pair = PairConstants<Real>::of(setup.liquid);
+    rates_.walls.centres = centres_;
+    rates_.walls.wall = WallConstants::of(setup.liquid);
+    rates_.walls.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
+    rates_.walls.mass = setup.liquid.mass();
+    rates_.walls.spacing = setup.liquid.spacing;
+    rates_.walls.walls = walls_.view();
     advance_.centres = centres_;
     advance_.periods = setup_.periods;
     advance_.properties = setup.liquid;
@@ -66,6 +76,7 @@ class LiquidEngineOf final : public LiquidEngine {
       dem::set_velocity(state.velocity[i], velocity_[i], fine);
       fine_[i] = fine;
       compression_[i] = state.compression[i];
+      slope_[i] = (setup_.liquid.density * setup_.liquid.gravity).template as<Real>();
       advance_.update_state(i);
     }
     set_quanta(n);
@@ -121,15 +132,13 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.packing_pressure = pressure;
     advance_.damping = damping;
     rates_.properties.gravity = {};
-    rates_.pair.weight = {};
-    rates_.wall.weight = {};
+    rates_.walls.continued = false;
     for (std::uint32_t i = 0; i < position_.size(); ++i) advance_.update_state(i);
     sum_rates();
     acceleration_[1] = acceleration_[0];
     for (int k = 0; k < steps; ++k) step(dt, poses());
     rates_.properties.gravity = setup_.liquid.gravity;
-    rates_.pair.weight = PairConstants<Real>::of(setup_.liquid).weight;
-    rates_.wall.weight = WallConstants::of(setup_.liquid, setup_.slip).weight;
+    rates_.walls.continued = true;
     advance_.packing_pressure = 0;
     advance_.damping = 1;
   }
@@ -140,8 +149,8 @@ class LiquidEngineOf final : public LiquidEngine {
     for (const BodySum& s : body_sums_) {
       Wrench w;
       for (int a = 0; a < 3; ++a) {
-        w.force[a] = mass * dem::from_fixed(s.acceleration[a], rates_.quanta.acceleration);
-        w.torque[a] = dem::from_fixed(s.torque[a], rates_.quanta.torque);
+        w.force[a] = mass * dem::from_fixed(s.acceleration[a], quanta_.acceleration);
+        w.torque[a] = dem::from_fixed(s.torque[a], quanta_.torque);
       }
       loads.push_back(w);
     }
@@ -203,10 +212,10 @@ class LiquidEngineOf final : public LiquidEngine {
       if constexpr (std::is_same_v<Real, float>) {
         const double quanta = std::nearbyint(length * unit_.inverse);
         length = quanta * static_cast<double>(unit_.size);
-        rates_.period[a] =
+        rates_.pairs.period[a] =
             static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(quanta)));
       } else {
-        rates_.period[a] = length;
+        rates_.pairs.period[a] = length;
       }
       setup_.domain.max[a] = setup_.domain.min[a] + length;
     }
@@ -222,33 +231,38 @@ class LiquidEngineOf final : public LiquidEngine {
       acceleration_[side].assign(n, {});
       rate_[side].assign(n, 0.0);
     }
-    liquid_ = {static_cast<std::uint32_t>(n),
-               position_.data(),
-               velocity_.data(),
-               fine_.data(),
-               state_.data(),
-               compression_.data(),
-               {},
-               {},
-               nullptr,
-               nullptr};
+    slope_.assign(n, {});
+    liquid_.count = static_cast<std::uint32_t>(n);
+    liquid_.position = position_.data();
+    liquid_.velocity = velocity_.data();
+    liquid_.fine = fine_.data();
+    liquid_.state = state_.data();
+    liquid_.compression = compression_.data();
+    liquid_.slope = slope_.data();
+    if constexpr (shifting) {
+      shift_.assign(n, {});
+      liquid_.shift = shift_.data();
+    }
     for (int side = 0; side < 2; ++side) {
       liquid_.acceleration[side] = acceleration_[side].data();
       liquid_.rate[side] = rate_[side].data();
     }
-    rates_.liquid = advance_.liquid = liquid_;
+    give_arrays();
   }
+
+  void give_arrays() { rates_.pairs.liquid = rates_.walls.liquid = advance_.liquid = liquid_; }
 
   // Sums reach their range only in a liquid that has long burst.
   void set_quanta(std::size_t n) {
     const Liquid& l = setup_.liquid;
     const double c = l.sound_speed, many = static_cast<double>(n);
     const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
-    rates_.quanta.acceleration = dem::Quantum::for_range(acceleration);
-    rates_.quanta.rate = dem::Quantum::for_range(1e4 * c / l.spacing);
-    rates_.quanta.power = dem::Quantum::for_range(many * l.mass() * acceleration * c);
+    quanta_.acceleration = dem::Quantum::for_range(acceleration);
+    quanta_.rate = dem::Quantum::for_range(1e4 * c / l.spacing);
+    quanta_.power = dem::Quantum::for_range(many * l.mass() * acceleration * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
-    rates_.quanta.torque = dem::Quantum::for_range(l.mass() * acceleration * norm(size));
+    quanta_.torque = dem::Quantum::for_range(l.mass() * acceleration * norm(size));
+    rates_.pairs.quanta = rates_.walls.quanta = quanta_;
   }
 
   void rebuild() {
@@ -269,8 +283,9 @@ class LiquidEngineOf final : public LiquidEngine {
     if (grid_.total == 0)
       grid_ = dem::make_cell_grid(setup_.domain, setup_.periods, reach_, dem::most_cells(x.size()));
     build_list(grid_, setup_.periods, x, reach_, walls_, pool_, list_);
-    rates_.liquid.start = list_.start.data();
-    rates_.liquid.neighbour = list_.neighbour.data();
+    liquid_.start = list_.start.data();
+    liquid_.neighbour = list_.neighbour.data();
+    give_arrays();
     built_at_ = std::move(x);
     built_poses_ = walls_.poses();
     ++figures_.rebuilds;
@@ -278,35 +293,27 @@ class LiquidEngineOf final : public LiquidEngine {
 
   void sum_rates() {
     std::vector<Tally> tallies(pool_.size());
-    std::vector<std::vector<BodySum>> bodies(pool_.size(), std::vector<BodySum>(walls_.bodies()));
-    for_each([&](unsigned thread, std::uint32_t i) { rates_(i, tallies[thread], bodies[thread].data()); });
+    std::vector<BodySums> bodies(pool_.size(), BodySums{std::vector<BodySum>(walls_.bodies())});
+    for_each([&](unsigned thread, std::uint32_t i) { rates_(i, tallies[thread], bodies[thread]); });
     Tally sum;
     body_sums_.assign(walls_.bodies(), {});
     for (unsigned t = 0; t < pool_.size(); ++t) {
-      for (int p = 0; p < powers; ++p) sum.power[p] += tallies[t].power[p];
-      for (int a = 0; a < 3; ++a) sum.momentum_rate[a] += tallies[t].momentum_rate[a];
-      sum.largest_speed2 = std::max(sum.largest_speed2, tallies[t].largest_speed2);
-      sum.largest_acceleration2 = std::max(sum.largest_acceleration2, tallies[t].largest_acceleration2);
-      sum.largest_compression = std::max(sum.largest_compression, tallies[t].largest_compression);
-      sum.crowded_by_facets += tallies[t].crowded_by_facets;
-      for (std::uint32_t b = 0; b < walls_.bodies(); ++b)
-        for (int a = 0; a < 3; ++a) {
-          body_sums_[b].acceleration[a] += bodies[t][b].acceleration[a];
-          body_sums_[b].torque[a] += bodies[t][b].torque[a];
-        }
+      sum.add(tallies[t]);
+      for (std::uint32_t b = 0; b < walls_.bodies(); ++b) body_sums_[b].add(bodies[t].of[b]);
     }
     if (sum.crowded_by_facets > 0)
       throw Error(ErrorCode::scene,
                   "more than " + std::to_string(NearWalls::most) + " facets within " +
-                      scene::rounded(setup_.liquid.support()) + " m of a particle",
+                      scene::rounded(setup_.liquid.support()) +
+                      " m of a particle, or facets that hide each other in very many parts",
                   "walls", "give a mesh with larger triangles, or a smaller spacing of the liquid");
-    for (int p = 0; p < powers; ++p) power_[p] = dem::from_fixed(sum.power[p], rates_.quanta.power);
-    figures_.largest_speed = std::sqrt(std::bit_cast<double>(sum.largest_speed2));
-    figures_.largest_acceleration = std::sqrt(std::bit_cast<double>(sum.largest_acceleration2));
-    figures_.largest_compression = std::bit_cast<double>(sum.largest_compression);
+    for (int p = 0; p < powers; ++p) power_[p] = dem::from_fixed(sum.power[p], quanta_.power);
+    figures_.largest_speed = std::sqrt(sum.largest_speed2);
+    figures_.largest_acceleration = std::sqrt(sum.largest_acceleration2);
+    figures_.largest_compression = sum.largest_compression;
     for (int a = 0; a < 3; ++a)
       figures_.pair_impulse_rate[a] =
-          setup_.liquid.mass() * dem::from_fixed(sum.momentum_rate[a], rates_.quanta.acceleration);
+          setup_.liquid.mass() * dem::from_fixed(sum.momentum_rate[a], quanta_.acceleration);
   }
 
   struct Work {
@@ -326,13 +333,15 @@ class LiquidEngineOf final : public LiquidEngine {
   std::vector<dem::PositionRadius<Real>> position_;
   std::vector<dem::VelocityKind<Real>> velocity_;
   std::vector<dem::FinePart<Real>> fine_;
-  std::vector<PressureVolume<Real>> state_;
+  std::vector<ParticleState<Real>> state_;
+  std::vector<Vec3<Real>> slope_, shift_;
   std::vector<double> compression_;
   std::vector<Vec3d> acceleration_[2];
   std::vector<double> rate_[2];
   std::vector<BodySum> body_sums_;
   LiquidArrays<Real> liquid_;
-  SumRates<Real> rates_;
+  SumRates<Real, shifting> rates_;
+  Quanta quanta_;
   Advance<Real> advance_;
   double power_[powers]{}, previous_power_[powers]{};  // [W]
   Work work_;

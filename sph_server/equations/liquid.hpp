@@ -14,6 +14,7 @@ struct Liquid {
   double diffusion = 0.1;       // delta of the density diffusion [-]
   double bulk_viscosity = 0.5;  // in units of rho0 c0 h; damps sound and nothing else [-]
   double artificial = 0;        // alpha of the artificial viscosity, for liquids without viscosity [-]
+  double shifting = 0;          // of particles that a flow moves apart, see step/shift.hpp; 0: none [-]
   Vec3d gravity;                // [m/s2]
 
   double h() const { return smoothing * spacing; }                       // [m]

@@ -14,6 +14,7 @@ struct Seen {
   Vec3<Real> v;       // [m/s]
   Real pressure = 0;  // of the equation of state and of the bulk viscosity [Pa]
   Real volume = 0;    // m/rho [m3]
+  Vec3<Real> slope;   // gradient of the pressure, in the step before [Pa/m]
 };
 
 // Constants of the terms.
@@ -26,10 +27,11 @@ struct PairConstants {
   Real artificial = 0;    // alpha h c0 rho0 [Pa s]
   Real soft2 = 0;         // 0.01 h^2 [m2]
   Real diffusive = 0;     // 2 delta h / (rho0 c0), of a difference of pressures [m/(kg/m3 m/s)]
-  Vec3<Real> weight;      // rho0 g [Pa/m]
+  Real inverse_near = 0;  // 1 / W(spacing) [m3]
 
   static PairConstants of(const Liquid& l) {
     const double h = l.h(), c = l.sound_speed;
+    const auto kernel = Kernel<double>::of_support(l.support());
     return {Kernel<Real>::of_support(l.support()),
             static_cast<Real>(l.support() * l.support()),
             static_cast<Real>(1 / l.mass()),
@@ -37,7 +39,7 @@ struct PairConstants {
             static_cast<Real>(l.artificial * h * c * l.density),
             static_cast<Real>(0.01 * h * h),
             static_cast<Real>(2 * l.diffusion * h / (l.density * c)),
-            (l.density * l.gravity).as<Real>()};
+            static_cast<Real>(1 / kernel.value(l.spacing))};
   }
 };
 
@@ -53,8 +55,9 @@ struct PairTerms {
 //   pressure   -V_i V_j (p_i + p_j) grad W / m, the adjoint of
 //   continuity V_j (v_i - v_j) . grad W, so that the work of the one is the energy of the other
 //   viscosity  V_i V_j 2 mu (v_i - v_j) (1/r dW/dr) / m [Morris1997]
-//   diffusion  2 delta h c0 (rho_j - rho_i, without the hydrostatic difference) (1/r dW/dr) V_j
-//              [Molteni2009, Fourtakas2019], as differences of pressure / c0^2
+//   diffusion  2 delta h c0 (rho_j - rho_i, without the difference that belongs to the mean of the two
+//              gradients) (1/r dW/dr) V_j [Antuono2010], as differences of pressure / c0^2. The gradient is
+//              that which the momentum equation has, so that a pressure in equilibrium does not diffuse.
 template <class Real>
 TANDEM_HD PairTerms<Real> pair_terms(const PairConstants<Real>& c, Vec3<Real> d, Real r2, const Seen<Real>& i,
                                      const Seen<Real>& j) {
@@ -63,13 +66,15 @@ TANDEM_HD PairTerms<Real> pair_terms(const PairConstants<Real>& c, Vec3<Real> d,
   const Real volumes = (i.volume * j.volume) * c.inverse_mass;
   const Vec3<Real> v = i.v - j.v;
   const Real approach = dot(v, d);
+  constexpr Real half{0.5};
   PairTerms<Real> t;
   t.pressure = (-(volumes * ((i.pressure + j.pressure) * gradient))) * d;
   t.viscous = (volumes * (c.viscous * gradient)) * v;
   if (c.artificial > 0 && approach < 0)
     t.viscous += (volumes * (c.artificial * gradient) * (approach / (r2 + c.soft2))) * d;
   t.continuity = j.volume * (approach * gradient);
-  t.diffusion = -(c.diffusive * gradient) * (j.volume * ((j.pressure - i.pressure) + dot(c.weight, d)));
+  t.diffusion =
+      -(c.diffusive * gradient) * (j.volume * ((j.pressure - i.pressure) + half * dot(i.slope + j.slope, d)));
   return t;
 }
 

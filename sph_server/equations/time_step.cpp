@@ -37,6 +37,7 @@ void expect_liquid(const Liquid& l) {
   expect(l.smoothing >= 1.2 && l.smoothing <= 2.5, "smoothing", l.smoothing, "from 1.2 to 2.5");
   expect(l.diffusion >= 0 && l.diffusion <= 0.2, "diffusion", l.diffusion, "from 0 to 0.2");
   expect(l.bulk_viscosity >= 0 && l.bulk_viscosity <= 1, "bulk_viscosity", l.bulk_viscosity, "from 0 to 1");
+  expect(l.shifting >= 0 && l.shifting <= 10, "shifting", l.shifting, "from 0 to 10");
   expect(l.artificial >= 0 && l.artificial <= 1, "artificial", l.artificial, "from 0 to 1");
 }
 

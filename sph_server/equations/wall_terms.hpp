@@ -1,52 +1,67 @@
 // What a facet of a wall does to a particle. Behind the facet the liquid continues as ghost liquid: its
-// pressure is p_i plus the hydrostatic difference, its velocity is mirrored at the wall, so that the velocity
-// of the wall is the mean of both. All integrals over the ghost liquid are exact
+// pressure continues that of the particle linearly, its velocity is mirrored at the wall, so that the
+// velocity of the wall is the mean of both. All integrals over the ghost liquid are exact
 // (kernel/facet_integrals.hpp).
 #pragma once
 
-#include "common/math/vec3.hpp"
+#include "common/math/rotation.hpp"
 #include "sph_server/equations/liquid.hpp"
-#include "sph_server/equations/pair_terms.hpp"
 #include "sph_server/kernel/facet_integrals.hpp"
 
 namespace tandem::sph {
 
-struct WallTerms {
-  Vec3d pressure;         // acceleration by the pressure p_i of particle and ghost [m/s2]
-  Vec3d hydrostatic;      // by the hydrostatic difference [m/s2]
-  Vec3d viscous;          // [m/s2]
-  double continuity = 0;  // rate of compression by motion, divided by 1 + e [1/s]
-
-  Vec3d total() const { return pressure + hydrostatic + viscous; }
-};
-
 struct WallConstants {
   double inverse_mass = 0;  // [1/kg]
-  double viscous = 0;       // 2 mu for walls without slip, 0 for walls with free slip [Pa s]
+  double density = 0;       // rho0 [kg/m3]
+  double viscous = 0;       // 2 mu [Pa s]
   double nearest = 0;       // distance below which the velocity of the ghost grows no further [m]
-  Vec3d weight;             // rho0 g [Pa/m]
 
-  static WallConstants of(const Liquid& l, bool slip) {
-    return {1 / l.mass(), slip ? 0 : 2 * l.viscosity, 0.25 * l.spacing, l.density * l.gravity};
+  static WallConstants of(const Liquid& l) {
+    return {1 / l.mass(), l.density, 2 * l.viscosity, 0.25 * l.spacing};
   }
 };
 
+struct WallTerms {
+  Vec3d pressure;         // acceleration by the pressure p_i of particle and ghost [m/s2]
+  Vec3d viscous;          // [m/s2]
+  double continuity = 0;  // rate of compression by motion, divided by 1 + e [1/s]
+};
+
 // n: normal of the facet towards the particle; distance: from its plane; v: of the particle relative to the
-// wall. With the integrals S, Y, B of the facet:
+// wall. With the integral S of the facet:
 //   pressure     V 2 p_i S n
-//   hydrostatic  V (n (rho0 g . Y) - B rho0 g): the integral of rho0 g . (y - x) grad W over the shadow
 //   viscosity    -V 2 mu S v_t / distance: Morris' form, integrated over a ghost with linear velocity
-//   continuity   -2 S v . n
+//   continuity   -2 S v . n, the adjoint of the pressure
 TANDEM_HD inline WallTerms wall_terms(const WallConstants& c, const FacetIntegrals& f, Vec3d n,
-                                      double distance, Vec3d v, double pressure, double volume) {
+                                      double distance, Vec3d v, double pressure, double volume, bool slip) {
   const double by_mass = volume * c.inverse_mass, across = dot(v, n);
   WallTerms t;
   t.pressure = (by_mass * 2 * pressure * f.surface) * n;
-  t.hydrostatic = by_mass * (dot(c.weight, f.moment) * n - f.shadow * c.weight);
-  const double gap = distance > c.nearest ? distance : c.nearest;
-  t.viscous = (-by_mass * c.viscous * f.surface / gap) * (v - across * n);
+  if (!slip) {
+    const double gap = distance > c.nearest ? distance : c.nearest;
+    t.viscous = (-by_mass * c.viscous * f.surface / gap) * (v - across * n);
+  }
   t.continuity = -2 * across * f.surface;
   return t;
+}
+
+// The part of the acceleration by pressure that comes from the difference of the pressures of ghost and
+// particle. Particle and ghost share the gradient of the pressure, which is -rho0 times the acceleration by
+// pressure `a`. So a satisfies
+//   a = a_0 - sum over the facets of M a,   M a = V rho0 / m (n (Y . a) - B a)
+// where a_0 is the acceleration by the pressure of particles and by 2 p_i at walls, and Y and B are integrals
+// of the facet. I + M is the part of the identity that the kernel of the liquid represents
+// [RandlesLibersky1996]. A liquid at rest, one that is accelerated with its walls and one that falls
+// freely beside a wall all follow from the one rule.
+TANDEM_HD inline Vec3d ghost_gradient(const WallConstants& c, const FacetIntegrals& f, Vec3d n, Vec3d a,
+                                      double volume) {
+  return (volume * c.density * c.inverse_mass) * (f.shadow * a - dot(f.moment, a) * n);
+}
+
+// The solution x of A x = b; A is regular.
+TANDEM_HD inline Vec3d solved(const Mat3d& A, Vec3d b) {
+  const Vec3d p = cross(A.row[1], A.row[2]), q = cross(A.row[2], A.row[0]), r = cross(A.row[0], A.row[1]);
+  return (1 / dot(A.row[0], p)) * (b.x * p + b.y * q + b.z * r);
 }
 
 }  // namespace tandem::sph

@@ -14,22 +14,6 @@ struct Polygon {
   int count = 0;
 };
 
-// Parts of a facet that do not overlap.
-struct Fragments {
-  static constexpr int most = 32;
-  dem::UninitialisedArray<Polygon, most> part;
-  int count = 0;
-  bool overflow = false;  // true: parts are missing
-
-  TANDEM_HD void add(const Polygon& p) {
-    if (p.count < 3) return;
-    if (count < most)
-      part[count++] = p;
-    else
-      overflow = true;
-  }
-};
-
 // The part of `p` where dot(y - origin, normal) >= 0, appended to nothing: a polygon of its own.
 TANDEM_HD inline Polygon clipped(const Polygon& p, Vec3d origin, Vec3d normal) {
   Polygon kept;
@@ -51,42 +35,85 @@ TANDEM_HD inline bool reaches_beyond(const Polygon& p, Vec3d origin, Vec3d norma
   return false;
 }
 
-// Removes from `parts` what the triangle a, b, c with unit normal `normal` hides from x. Parts that are less
-// than `tolerance` [m] behind its plane remain.
-TANDEM_HD inline void remove_hidden(Fragments& parts, Vec3d x, Vec3d a, Vec3d b, Vec3d c, Vec3d normal,
-                                    double tolerance) {
-  const double height = dot(x - a, normal);
-  if (!(height > tolerance || height < -tolerance)) return;  // the plane is seen edge-on
-  const Vec3d away = height > 0 ? -normal : normal;
-  // The shadow is behind the plane, and inside the three planes through x and an edge.
-  const Vec3d corner[3] = {a, height > 0 ? b : c, height > 0 ? c : b};
-  Vec3d origin[4], inward[4];
-  origin[0] = a + tolerance * away;
-  inward[0] = away;
-  for (int k = 0; k < 3; ++k) {
-    origin[k + 1] = x;
-    inward[k + 1] = cross(corner[k] - x, corner[k < 2 ? k + 1 : 0] - x);
-    // Counter-clockwise as seen from x, so that the third corner is on the negative side.
-    if (dot(corner[k < 1 ? 2 : k - 1] - x, inward[k + 1]) < 0) inward[k + 1] = -inward[k + 1];
+// Is every point of the polygon, counter-clockwise about `normal`, at least `radius` from x, seen across one
+// edge?
+TANDEM_HD inline bool is_beyond(const Polygon& p, Vec3d x, Vec3d normal, double radius) {
+  for (int k = 0; k < p.count; ++k) {
+    const Vec3d edge = p.corner[k + 1 < p.count ? k + 1 : 0] - p.corner[k];
+    const double away = dot(x - p.corner[k], cross(edge, normal));
+    if (away > 0 && away * away >= radius * radius * norm2(edge)) return true;
   }
-  const int before = parts.count;
-  Fragments left;
-  for (int k = 0; k < before; ++k) {
-    Polygon rest = parts.part[k];
-    bool hidden = true;
-    for (int side = 0; side < 4 && hidden; ++side)
-      hidden = reaches_beyond(rest, origin[side], inward[side], 0);
-    if (!hidden) {
-      left.add(rest);
+  return false;
+}
+
+// The space that a triangle hides from x: beyond its plane, and inside the three planes through x and an
+// edge.
+struct Shadow {
+  Vec3d origin[4], inward[4];  // of the planes
+  bool exists = false;         // false: x sees the triangle edge-on
+
+  // What is less than `tolerance` [m] beyond the plane is not hidden.
+  TANDEM_HD static Shadow of(Vec3d x, Vec3d a, Vec3d b, Vec3d c, Vec3d normal, double tolerance) {
+    Shadow s;
+    const double height = dot(x - a, normal);
+    if (!(height > tolerance || height < -tolerance)) return s;
+    s.exists = true;
+    const Vec3d away = height > 0 ? -normal : normal;
+    const Vec3d corner[3] = {a, height > 0 ? b : c, height > 0 ? c : b};
+    s.origin[0] = a + tolerance * away;
+    s.inward[0] = away;
+    for (int k = 0; k < 3; ++k) {
+      s.origin[k + 1] = x;
+      s.inward[k + 1] = cross(corner[k] - x, corner[k < 2 ? k + 1 : 0] - x);
+      // Counter-clockwise as seen from x, so that the third corner is on the negative side.
+      if (dot(corner[k < 1 ? 2 : k - 1] - x, s.inward[k + 1]) < 0) s.inward[k + 1] = -s.inward[k + 1];
+    }
+    return s;
+  }
+  TANDEM_HD bool meets(const Polygon& p) const {
+    if (!exists) return false;
+    for (int side = 0; side < 4; ++side)
+      if (!reaches_beyond(p, origin[side], inward[side], 0)) return false;
+    return true;
+  }
+};
+
+// Calls each(polygon) for parts of `whole`, counter-clockwise about `facing`, that do not overlap and are all
+// that x sees of it within `radius`. shadow(k): what hides it, for k from 0 to hiders - 1. False where too
+// many parts are pending: some are missing then.
+template <class ShadowAt, class Each>
+TANDEM_HD bool for_visible_parts(const Polygon& whole, Vec3d facing, Vec3d x, double radius, int hiders,
+                                 ShadowAt shadow, Each each) {
+  constexpr int most = 32;
+  dem::UninitialisedArray<Polygon, most> pending;
+  dem::UninitialisedArray<int, most> next;  // the first shadow that the part has not been cut by
+  int count = 1;
+  pending[0] = whole;
+  next[0] = 0;
+  while (count > 0) {
+    --count;
+    Polygon rest = pending[count];
+    int k = next[count];
+    Shadow hides;
+    for (; k < hiders; ++k) {
+      hides = shadow(k);
+      if (hides.meets(rest)) break;
+    }
+    if (k == hiders) {
+      each(rest);
       continue;
     }
     for (int side = 0; side < 4 && rest.count > 0; ++side) {
-      left.add(clipped(rest, origin[side], -inward[side]));
-      rest = clipped(rest, origin[side], inward[side]);
+      const Polygon outside = clipped(rest, hides.origin[side], -hides.inward[side]);
+      if (outside.count > 0 && !is_beyond(outside, x, facing, radius)) {
+        if (count == most) return false;
+        pending[count] = outside;
+        next[count++] = k + 1;
+      }
+      rest = clipped(rest, hides.origin[side], hides.inward[side]);
     }
   }
-  left.overflow = left.overflow || parts.overflow;
-  parts = left;
+  return true;
 }
 
 }  // namespace tandem::sph

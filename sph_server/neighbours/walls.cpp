@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "common/error.hpp"
 #include "particles/geometry/facet_grid.hpp"
@@ -13,42 +12,9 @@ namespace {
 
 constexpr dem::GridBudget wall_grid_budget{std::size_t{1} << 22, std::size_t{1} << 26};
 
-Vec3d into_body(const dem::BodyPose& pose, Vec3d x) {
-  return pose.R.transpose_times(x - pose.p);
-}
-
-// Is every point of the triangle further than `radius` from x, seen across its plane or across one edge?
-bool is_far(const dem::Facet& f, Vec3d x, double radius) {
-  if (std::fabs(dot(x - f.a, f.normal)) >= radius) return true;
-  const Vec3d corner[3] = {f.a, f.b, f.c};
-  for (int k = 0; k < 3; ++k) {
-    const Vec3d edge = corner[(k + 1) % 3] - corner[k], outward = cross(edge, f.normal);
-    if (dot(x - corner[k], outward) >= radius * norm(edge)) return true;
-  }
-  return false;
-}
-
-// Does the segment from x to y cross the triangle? Its edges belong to it, so that a closed mesh is tight.
-bool crosses(const dem::Facet& f, Vec3d x, Vec3d y) {
-  const double from = dot(x - f.a, f.normal), to = dot(y - f.a, f.normal);
-  if ((from > 0 && to > 0) || (from < 0 && to < 0) || from == to) return false;
-  const Vec3d at = x + (from / (from - to)) * (y - x), corner[3] = {f.a, f.b, f.c};
-  for (int k = 0; k < 3; ++k) {
-    const Vec3d edge = corner[(k + 1) % 3] - corner[k];
-    if (dot(at - corner[k], cross(f.normal, edge)) < -1e-12 * norm2(edge)) return false;
-  }
-  return true;
-}
-
-bool in_order(Vec3d x, Vec3d y) {
-  if (x.x != y.x) return x.x < y.x;
-  if (x.y != y.y) return x.y < y.y;
-  return x.z < y.z;
-}
-
 }  // namespace
 
-Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach) {
+Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::vector<bool>& slip) {
   cell_start_.push_back(0);
   for (std::size_t body = 0; body < meshes.size(); ++body) {
     const TriangleMesh& mesh = meshes[body];
@@ -63,51 +29,24 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach) {
     grids_.push_back(dem::make_facet_grid(std::span(facets_).subspan(first), first, reach, wall_grid_budget,
                                           cell_start_, cell_facet_));
     poses_.push_back({{}, Mat3d::identity(), {}, {}});
+    slip_.push_back(body < slip.size() && slip[body] ? 1 : 0);
     double extent = 0;
     for (const Vec3d& vertex : mesh.vertices) extent = std::max(extent, norm(vertex));
     extent_.push_back(extent);
   }
 }
 
-void Walls::find(Vec3d x, double radius, NearWalls& found) const {
-  found.count = 0;
-  found.overflow = false;
-  for (std::uint32_t body = 0; body < bodies(); ++body) {
-    const dem::BodyPose& pose = poses_[body];
-    const Vec3d in_body = into_body(pose, x);
-    const dem::NearFacets near =
-        dem::near_facets(grids_[body], cell_start_.data(), cell_facet_.data(), in_body);
-    for (int k = 0; k < near.count; ++k) {
-      const dem::Facet& f = facets_[near[k]];
-      if (is_far(f, in_body, radius)) continue;
-      if (found.count == NearWalls::most) {
-        found.overflow = true;
-        return;
-      }
-      found.facet[found.count++] = {pose.p + pose.R * f.a, pose.p + pose.R * f.b, pose.p + pose.R * f.c,
-                                    pose.R * f.normal, body};
-    }
-  }
-}
-
-bool Walls::between(Vec3d x, Vec3d y) const {
-  if (!in_order(x, y)) std::swap(x, y);
-  for (std::uint32_t body = 0; body < bodies(); ++body) {
-    const Vec3d from = into_body(poses_[body], x), to = into_body(poses_[body], y);
-    const dem::NearFacets near = dem::near_facets(grids_[body], cell_start_.data(), cell_facet_.data(), from);
-    for (int k = 0; k < near.count; ++k)
-      if (crosses(facets_[near[k]], from, to)) return true;
-  }
-  return false;
+WallsView Walls::view() const {
+  return {facets_.data(), grids_.data(), cell_start_.data(), cell_facet_.data(), poses_.data(),
+          slip_.data(),   bodies()};
 }
 
 bool Walls::passed(const std::vector<dem::BodyPose>& poses_then, Vec3d then, Vec3d now) const {
-  for (std::uint32_t body = 0; body < bodies(); ++body) {
-    const Vec3d from = into_body(poses_then[body], then), to = into_body(poses_[body], now);
-    const dem::NearFacets near = dem::near_facets(grids_[body], cell_start_.data(), cell_facet_.data(), from);
-    for (int k = 0; k < near.count; ++k)
-      if (crosses(facets_[near[k]], from, to)) return true;
-  }
+  WallsView before = view();
+  before.pose = poses_then.data();
+  const WallsView after = view();
+  for (std::uint32_t body = 0; body < bodies(); ++body)
+    if (after.crossed(body, before.into_body(body, then), after.into_body(body, now))) return true;
   return false;
 }
 

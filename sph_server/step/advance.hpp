@@ -30,7 +30,9 @@ struct Advance {
     const Vec3d after = damping * (before + dt * a);
     dem::set_velocity(after, liquid.velocity[i], fine);
     auto centre = centres.joined(liquid.position[i], fine);
-    centre += centres.of((0.5 * dt) * (before + after));
+    Vec3d moved = (0.5 * dt) * (before + after);
+    if (liquid.shift) moved += dt * liquid.shift[i].template as<double>();
+    centre += centres.of(moved);
     centres.split(centres.wrapped(centre, periods), liquid.position[i], fine);
     if constexpr (dem::has_fine_part<Real>) liquid.fine[i] = fine;
     if (!(packing_pressure > 0))
@@ -48,6 +50,7 @@ struct Advance {
                  bulk = l.bulk_viscosity * l.density * c * l.h() * liquid.rate[1][i] / (1 + e);
     liquid.state[i].pressure = static_cast<Real>(packing_pressure > 0 ? packing_pressure : elastic + bulk);
     liquid.state[i].volume = static_cast<Real>(l.mass() / (l.density * (1 + e)));
+    liquid.state[i].slope = liquid.slope[i];
   }
 };
 

@@ -4,15 +4,17 @@
 #include <cstdint>
 
 #include "particles/state/particles.hpp"
-#include "sph_server/neighbours/neighbour_list.hpp"
+#include "sph_server/equations/pair_terms.hpp"
+#include "sph_server/neighbours/neighbour.hpp"
 
 namespace tandem::sph {
 
 // What neighbours read besides position and velocity. The radius of a position is not used.
 template <class Real>
-struct PressureVolume {
+struct ParticleState {
   Real pressure = 0;  // of the equation of state and of the bulk viscosity [Pa]
   Real volume = 0;    // m/rho [m3]
+  Vec3<Real> slope;   // gradient of the pressure, in the step before [Pa/m]
 };
 
 template <class Real>
@@ -21,13 +23,18 @@ struct LiquidArrays {
   dem::PositionRadius<Real>* position = nullptr;  // (count)
   dem::VelocityKind<Real>* velocity = nullptr;    // (count)
   dem::FinePart<Real>* fine = nullptr;            // (count)
-  PressureVolume<Real>* state = nullptr;          // (count)
+  ParticleState<Real>* state = nullptr;           // (count)
   double* compression = nullptr;                  // rho/rho0 - 1 [-] (count)
   Vec3d* acceleration[2]{};                       // of this step and of the one before [m/s2] (count)
   double* rate[2]{};                              // of the compression, likewise [1/s] (count)
+  Vec3<Real>* slope = nullptr;                    // gradient of the pressure, in this step [Pa/m] (count)
+  Vec3<Real>* shift = nullptr;                    // velocity of the shift [m/s] (count), or null
   const std::uint32_t* start = nullptr;           // see NeighbourList (count + 1)
   const Neighbour* neighbour = nullptr;
 
+  TANDEM_HD Seen<Real> seen(std::uint32_t i) const {
+    return {velocity[i].v, state[i].pressure, state[i].volume, state[i].slope};
+  }
   TANDEM_HD dem::FinePart<Real> fine_part(std::uint32_t i) const {
     if constexpr (dem::has_fine_part<Real>)
       return fine[i];

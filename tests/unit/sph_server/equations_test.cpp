@@ -29,7 +29,8 @@ TEST(PairTerms, AreAntisymmetricToTheBitAndConjugate) {
   liquid.spacing = 0.01;
   liquid.gravity = {0, 1, -9.81};
   const auto c = PairConstants<float>::of(liquid);
-  const Seen<float> i{{0.3F, -0.1F, 0.2F}, 311, 1.01e-6F}, j{{-0.4F, 0.7F, 0.05F}, -57, 0.98e-6F};
+  const Seen<float> i{{0.3F, -0.1F, 0.2F}, 311, 1.01e-6F, {1, 2, -9000}},
+      j{{-0.4F, 0.7F, 0.05F}, -57, 0.98e-6F, {3, 0, -9900}};
   const Vec3f d{0.004F, -0.011F, 0.007F};
   const auto of_i = pair_terms(c, d, norm2(d), i, j), of_j = pair_terms(c, -d, norm2(d), j, i);
   EXPECT_EQ(of_i.pressure, -of_j.pressure);

@@ -124,31 +124,29 @@ TEST(FacetIntegrals, OfABoxAreTheKernelOutsideOfIt) {
 TEST(VisiblePart, OfAFloorEndsAtASheet) {
   const WallKernel kernel = WallKernel::of(0.3, 0);
   const Vec3d x{0.07, 0, 0.1};
-  Fragments parts;
   Polygon floor;
   floor.count = 4;
   const Vec3d corner[4] = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
   for (int k = 0; k < 4; ++k) floor.corner[k] = corner[k];
-  parts.add(floor);
   // The sheet is two triangles that extend below the floor.
-  const Vec3d a{0, -2, -1}, b{0, 2, -1}, c{0, 2, 2}, d{0, -2, 2};
-  remove_hidden(parts, x, a, b, c, {1, 0, 0}, 1e-9);
-  remove_hidden(parts, x, a, c, d, {1, 0, 0}, 1e-9);
-  ASSERT_FALSE(parts.overflow);
-  FacetIntegrals seen;
-  for (int k = 0; k < parts.count; ++k)
-    seen += facet_integrals(x, parts.part[k].corner.data(), parts.part[k].count, {0, 0, 1}, kernel);
+  const Vec3d a{0, -2, -1}, b{0, 2, -1}, c{0, 2, 2}, d{0, -2, 2}, behind{-0.05, 0, 0}, normal{1, 0, 0};
+  const Shadow shadows[3] = {Shadow::of(x, a, b, c, normal, 1e-9), Shadow::of(x, a, c, d, normal, 1e-9),
+                             Shadow::of(x, a + behind, b + behind, c + behind, normal, 1e-9)};
+  const auto seen_past = [&](int hiders) {
+    FacetIntegrals sum;
+    EXPECT_TRUE(for_visible_parts(
+        floor, {0, 0, 1}, x, kernel.R, hiders, [&](int k) { return shadows[k]; },
+        [&](const Polygon& p) {
+          sum += facet_integrals(x, p.corner.data(), p.count, {0, 0, 1}, kernel);
+        }));
+    return sum;
+  };
+  const FacetIntegrals seen = seen_past(2);
   const Vec3d half[4] = {{0, -2, 0}, {2, -2, 0}, {2, 2, 0}, {0, 2, 0}};
   const FacetIntegrals expected = facet_integrals(x, half, 4, {0, 0, 1}, kernel);
   EXPECT_NEAR(seen.surface, expected.surface, 1e-8);
   EXPECT_NEAR(seen.shadow, expected.shadow, 1e-9);
-  // A second sheet behind the first hides nothing more.
-  remove_hidden(parts, x, a - Vec3d{0.05, 0, 0}, b - Vec3d{0.05, 0, 0}, c - Vec3d{0.05, 0, 0}, {1, 0, 0},
-                1e-9);
-  FacetIntegrals again;
-  for (int k = 0; k < parts.count; ++k)
-    again += facet_integrals(x, parts.part[k].corner.data(), parts.part[k].count, {0, 0, 1}, kernel);
-  EXPECT_NEAR(again.surface, expected.surface, 1e-8);
+  EXPECT_NEAR(seen_past(3).surface, expected.surface, 1e-8) << "a sheet behind the first hides nothing more";
 }
 
 // Floor and sheet of the triangles above: with the strips beyond its edges a facet acts as its whole plane.

@@ -28,7 +28,7 @@ struct Vortices {
     l.viscosity = viscosity;
     l.spacing = length / across;
     l.sound_speed = suggested_sound_speed(speed, 0, 0);
-    const int deep = 11;
+    const int deep = 10;
     setup.domain = {{0, 0, 0}, {length, length, deep * l.spacing}};
     setup.periods.length = setup.domain.max;
     const double k = 2 * std::numbers::pi / length;
@@ -56,24 +56,25 @@ Vec3d momentum(const LiquidState& s, double mass) {
   return sum;
 }
 
-// The particles start on a cubic lattice. Along the stretched axes of the vortices this lattice breaks up at
-// t = 0.12 s, and the flow then loses energy too fast, as in every SPH that does not shift its particles.
+// The particles start on a cubic lattice. Along the stretched axes of the vortices this lattice would break
+// up at t = 0.12 s without shifting, and the flow would then lose energy too fast.
 void decay_of_vortices(bool single) {
-  const Vortices flow(24);
+  Vortices flow(20);
+  flow.setup.liquid.shifting = 5;
   const auto engine = make_liquid_engine(flow.setup, single);
   engine->set_state(flow.start);
   const double mass = flow.setup.liquid.mass(),
                dt = step_limits(flow.setup.liquid, Vortices::speed, 0).smallest;
   const EnergyBalance begin = engine->energies();
   double t = 0, worst_pair = 0;
-  for (; t < 0.1; t += dt) {
+  for (; t < 0.3; t += dt) {
     engine->step(dt);
     worst_pair = std::max(worst_pair, norm(engine->figures().pair_impulse_rate));
   }
   const EnergyBalance end = engine->energies();
   const double all = begin.kinetic;
-  std::printf("Taylor-Green vortices, 24 across, %s precision, %.3f s\n", single ? "single" : "double", t);
-  expect_figure("kinetic energy / that at the start", flow.decay(t), end.kinetic / all, 0.02);
+  std::printf("Taylor-Green vortices, 20 across, %s precision, %.3f s\n", single ? "single" : "double", t);
+  expect_figure("kinetic energy / that at the start", flow.decay(t), end.kinetic / all, 0.04);
   expect_figure("sum of all pair forces [N]", 0, worst_pair, 0);
   const double moving = static_cast<double>(flow.start.size()) * mass * Vortices::speed;
   expect_figure("momentum / mass and speed", 0, norm(momentum(engine->state(), mass)) / moving, 1e-13);

@@ -136,7 +136,6 @@ TEST(Sheet, KeepsTwoLevelsApart) {
       transformed(box_mesh({width, breadth, 2 * depth}, {"+z"}), Pose{{width / 2, breadth / 2, depth}, {}}),
       rectangle({width / 2, 0, 0}, {width / 2, breadth, 0}, {width / 2, breadth, 2 * depth},
                 {width / 2, 0, 2 * depth})};
-  setup.slip = true;
   setup.domain = {{-l.spacing, -l.spacing, -l.spacing}, {width + l.spacing, breadth + l.spacing, 2 * depth}};
   LiquidState start;
   const auto compressed = [&](double d) { return c2 / g * std::log(1 + g * d / c2); };

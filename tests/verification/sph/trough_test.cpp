@@ -6,7 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/engine/fill_region.hpp"
+#include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
 
@@ -22,7 +23,6 @@ struct Trough {
   static constexpr int high = 10, deep = 6;  // [spacings]
   LiquidSetup setup;
   LiquidState start;
-  TriangleMesh lid;
   Trough() {
     Liquid& l = setup.liquid;
     l.spacing = depth / high;
@@ -35,59 +35,11 @@ struct Trough {
                       {0, length, 0}, {-side, length, top}, {side, length, top}};
     walls.triangles = {{0, 3, 4}, {0, 4, 1}, {0, 2, 5}, {0, 5, 3}, {0, 1, 2}, {3, 5, 4}};
     setup.walls = {walls};
-    setup.slip = true;
     setup.domain = {{-side, -l.spacing, -l.spacing}, {side, length + l.spacing, top}};
-    lid.vertices = {{-side, -1, depth}, {side, -1, depth}, {side, 2, depth}, {-side, 2, depth}};
-    lid.triangles = {{0, 1, 2}, {0, 2, 3}};
-    place(depth * depth * std::tan(half_angle) * length);
-  }
-
-  // As many particles as their mass asks for, on the places of a slightly denser lattice that are furthest
-  // from the walls; then packed below the lid.
-  void place(double volume) {
-    const Liquid& l = setup.liquid;
-    struct Site {
-      double gap;
-      Vec3d x;
-    };
-    std::vector<Site> sites;
-    const double a = 0.93 * l.spacing;
-    for (double z = a / 2; z < depth - 0.1 * a; z += a)
-      for (int j = 0; j < deep; ++j)
-        for (int i = -high; i < high; ++i) {
-          const Vec3d x{(i + 0.5) * a, (j + 0.5) * l.spacing, z};
-          const double gap = x.z * std::sin(half_angle) - std::fabs(x.x) * std::cos(half_angle);
-          if (gap > 0) sites.push_back({gap, x});
-        }
-    std::ranges::stable_sort(sites, [](const Site& p, const Site& q) { return p.gap > q.gap; });
-    const double mean_compression = g * depth / 3 / (l.sound_speed * l.sound_speed);
-    const auto wanted =
-        static_cast<std::size_t>(std::lround(volume * l.density / l.mass() * (1 + mean_compression)));
-    ASSERT_GE(sites.size(), wanted);
-    for (std::size_t k = 0; k < wanted; ++k) {
-      start.position.push_back(sites[k].x);
-      start.velocity.push_back({});
-      start.compression.push_back(still(sites[k].x.z).compression);
-    }
-    LiquidSetup packing = setup;
-    packing.walls.push_back(lid);
-    const auto engine = make_liquid_engine(packing, true);
-    engine->set_state(start);
-    engine->pack(l.density * g * depth, step(), 0.95, 1200);
-    EXPECT_EQ(engine->figures().passed_walls, 0u);
-    start = engine->state();
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      start.velocity[i] = {};
-      start.compression[i] = still(start.position[i].z).compression;
-    }
-  }
-  struct Still {
-    double pressure, compression;
-  };
-  Still still(double z) const {
-    const double c2 = setup.liquid.sound_speed * setup.liquid.sound_speed,
-                 of_c2 = std::max(0.0, std::expm1(g * (depth - z) / c2));
-    return {setup.liquid.density * c2 * of_c2, std::pow(1 + 7 * of_c2, 1.0 / 7) - 1};
+    TriangleMesh region = walls;
+    region.triangles.push_back({1, 4, 5});
+    region.triangles.push_back({1, 5, 2});
+    start = fill_region(setup, {{{}, Mat3d::identity(), {}, {}}}, region, {depth, {}});
   }
   double step() const { return step_limits(setup.liquid, 0.1 * setup.liquid.sound_speed, 0).smallest; }
 };
@@ -123,7 +75,8 @@ TEST(Trough, HoldsALiquidAtRest) {
   const LiquidState s = engine->state();
   for (std::size_t i = 0; i < s.size(); ++i) {
     if (s.position[i].z > depth - 2 * l.spacing) continue;
-    const double off = (s.pressure[i] - trough.still(s.position[i].z).pressure) / (l.density * g * depth);
+    const double off =
+        (s.pressure[i] - at_rest(l, depth - s.position[i].z).pressure) / (l.density * g * depth);
     squares += off * off;
     ++inside;
   }

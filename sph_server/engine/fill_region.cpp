@@ -1,0 +1,269 @@
+#include "sph_server/engine/fill_region.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "common/error.hpp"
+#include "common/geometry/mass_properties.hpp"
+#include "common/scene/fault.hpp"
+#include "particles/geometry/touch_facet.hpp"
+#include "sph_server/equations/hydrostatic.hpp"
+#include "sph_server/equations/time_step.hpp"
+#include "sph_server/neighbours/walls.hpp"
+
+namespace tandem::sph {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what, const std::string& advice) {
+  throw Error(ErrorCode::scene, what, "fill", advice);
+}
+
+struct Below {
+  double volume = 0;  // [m3]
+  double depth = 0;   // mean below the level [m]
+};
+
+// Sums of tetrahedra whose fourth corner is on the level, so that the cut itself adds nothing.
+Below part_below(const TriangleMesh& region, Vec3d up, double level) {
+  if (region.vertices.empty()) return {};
+  const Vec3d first = region.vertices.front(), origin = first + (level - dot(first, up)) * up;
+  double volume = 0, moment = 0;
+  for (const auto& t : region.triangles) {
+    Vec3d kept[4];
+    int count = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d a = region.vertices[t[k]] - origin, b = region.vertices[t[(k + 1) % 3]] - origin;
+      const double at_a = dot(a, up), at_b = dot(b, up);
+      if (at_a <= 0) kept[count++] = a;
+      if ((at_a < 0 && at_b > 0) || (at_a > 0 && at_b < 0))
+        kept[count++] = a + (at_a / (at_a - at_b)) * (b - a);
+    }
+    for (int k = 2; k < count; ++k) {
+      const double one = dot(kept[0], cross(kept[k - 1], kept[k])) / 6;
+      volume += one;
+      moment -= one * dot(kept[0] + kept[k - 1] + kept[k], up) / 4;
+    }
+  }
+  return {std::fabs(volume), volume != 0 ? moment / volume : 0};
+}
+
+// Axes of the lattice: the third is `up`.
+struct Frame {
+  Vec3d axis[3];
+  explicit Frame(Vec3d up) {
+    int least = 0;
+    for (int a = 1; a < 3; ++a)
+      if (std::fabs(up[a]) < std::fabs(up[least])) least = a;
+    Vec3d along;
+    along[least] = 1;
+    axis[0] = normalized(along - dot(along, up) * up);
+    axis[1] = cross(up, axis[0]);
+    axis[2] = up;
+  }
+};
+
+struct Site {
+  double gap = 0;  // to the nearest wall or to the level [m]
+  std::size_t number = 0;
+  Vec3d x;
+};
+
+class Filler {
+ public:
+  Filler(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses, const TriangleMesh& region,
+         const FillAmount& amount)
+      : setup_(setup),
+        poses_(poses),
+        region_(region),
+        frame_(-1.0 / norm(setup.liquid.gravity) * setup.liquid.gravity),
+        walls_(setup.walls, setup.liquid.support()) {
+    for (std::uint32_t b = 0; b < walls_.bodies(); ++b) walls_.set_pose(b, poses[b]);
+    for (int a = 0; a < 3; ++a) {
+      low_[a] = std::numeric_limits<double>::infinity();
+      high_[a] = -low_[a];
+      for (const Vec3d& v : region.vertices) {
+        low_[a] = std::min(low_[a], dot(v, frame_.axis[a]));
+        high_[a] = std::max(high_[a], dot(v, frame_.axis[a]));
+      }
+    }
+    level_ = level_of(amount);
+    const Below below = part_below(region, up(), level_);
+    const Liquid& l = setup.liquid;
+    const double wanted = below.volume * l.density / l.mass() * (1 + at_rest(l, below.depth).compression);
+    wanted_ = static_cast<std::size_t>(std::llround(wanted));
+    if (wanted_ == 0)
+      refuse("a volume of " + scene::rounded(below.volume) + " m3 below the level",
+             "fill more than the volume of a particle, " + scene::rounded(l.mass() / l.density) + " m3");
+  }
+
+  LiquidState fill() const {
+    LiquidState state;
+    const double a = setup_.liquid.spacing;
+    const auto lattice = sites(a);
+    const bool fits = lattice.size() == uncompressed() &&
+                      std::ranges::all_of(lattice, [&](const Site& s) { return s.gap > 0.49 * a; });
+    for (const Site& s : fits ? lattice : packed()) {
+      Vec3d x = s.x;
+      double depth = level_ - dot(x, up());
+      // The layers of a column are closer together where it is compressed.
+      if (fits) {
+        const double bottom = depth_at_rest(setup_.liquid, level_ - low_[2]);
+        depth = depth_at_rest(setup_.liquid, depth);
+        x += (low_[2] + bottom - depth - dot(x, up())) * up();
+      }
+      state.position.push_back(x);
+      state.velocity.push_back({});
+      state.compression.push_back(at_rest(setup_.liquid, depth).compression);
+    }
+    return state;
+  }
+
+ private:
+  Vec3d up() const { return frame_.axis[2]; }
+
+  // Particles of a lattice that is not compressed.
+  std::size_t uncompressed() const {
+    const Liquid& l = setup_.liquid;
+    return static_cast<std::size_t>(
+        std::llround(part_below(region_, up(), level_).volume * l.density / l.mass()));
+  }
+
+  double level_of(const FillAmount& amount) const {
+    const double whole = part_below(region_, up(), high_[2]).volume;
+    if (amount.height) {
+      if (!(*amount.height > 0 && *amount.height <= (high_[2] - low_[2]) * (1 + 1e-9)))
+        refuse("a height of " + scene::rounded(*amount.height) + " m in a region that is " +
+                   scene::rounded(high_[2] - low_[2]) + " m high",
+               "give a height above 0 and of at most that of the region");
+      return low_[2] + *amount.height;
+    }
+    if (!(*amount.volume > 0 && *amount.volume <= whole * (1 + 1e-9)))
+      refuse("a volume of " + scene::rounded(*amount.volume) + " m3 in a region of " + scene::rounded(whole) +
+                 " m3",
+             "give a volume above 0 and of at most that of the region");
+    double lower = low_[2], upper = high_[2];
+    for (int k = 0; k < 100; ++k) {
+      const double middle = 0.5 * (lower + upper);
+      (part_below(region_, up(), middle).volume < *amount.volume ? lower : upper) = middle;
+    }
+    return upper;
+  }
+
+  double gap_at(Vec3d x) const {
+    double gap = level_ - dot(x, up());
+    NearWalls near;
+    walls_.find(x, setup_.liquid.support(), near);
+    for (int k = 0; k < near.count; ++k) {
+      const NearFacet& f = near.facet[k];
+      dem::WallContact contact;
+      const dem::Facet facet{f.a, f.b, f.c, f.normal};
+      const double R = setup_.liquid.support();
+      if (dem::touch_triangle(facet, x, R, contact)) gap = std::min(gap, contact.gap + R);
+    }
+    return gap;
+  }
+
+  // Sites of a cubic lattice of spacing a in the region and below the level, those furthest from walls first.
+  // The first layers are half a spacing from the bounds of the region.
+  std::vector<Site> sites(double a) const {
+    std::vector<Site> found;
+    std::int64_t n[3];
+    for (int k = 0; k < 3; ++k) n[k] = static_cast<std::int64_t>(std::ceil((high_[k] - low_[k]) / a));
+    for (std::int64_t z = 0; z < n[2] && low_[2] + (static_cast<double>(z) + 0.5) * a < level_; ++z)
+      for (std::int64_t y = 0; y < n[1]; ++y)
+        for (std::int64_t x = 0; x < n[0]; ++x) {
+          Vec3d at;
+          const std::int64_t index[3] = {x, y, z};
+          for (int k = 0; k < 3; ++k)
+            at += (low_[k] + (static_cast<double>(index[k]) + 0.5) * a) * frame_.axis[k];
+          if (std::fabs(winding_number(region_, at)) < 0.5) continue;
+          found.push_back({gap_at(at), found.size(), at});
+        }
+    std::ranges::sort(found, [](const Site& p, const Site& q) {
+      return p.gap != q.gap ? p.gap > q.gap : p.number < q.number;
+    });
+    return found;
+  }
+
+  std::vector<Site> packed() const {
+    const Liquid& l = setup_.liquid;
+    std::vector<Site> start;
+    for (double part = 0.97; start.size() < wanted_; part -= 0.02) {
+      if (part < 0.5)
+        refuse("a region that is narrower than a spacing of the liquid", "take a smaller spacing");
+      start = sites(part * l.spacing);
+    }
+    start.resize(wanted_);
+    LiquidSetup packing = setup_;
+    packing.liquid.shifting = 0;
+    packing.walls.push_back(lid());
+    std::vector<dem::BodyPose> poses = poses_;
+    poses.push_back({{}, Mat3d::identity(), {}, {}});
+    LiquidState state;
+    for (const Site& s : start) {
+      state.position.push_back(s.x);
+      state.velocity.push_back({});
+      state.compression.push_back(at_rest(l, level_ - dot(s.x, up())).compression);
+    }
+    const auto engine = make_liquid_engine(packing, true);
+    engine->set_state(state, poses);
+    const double dt = step_limits(l, 0.5 * l.sound_speed, 0).smallest,
+                 pressure = l.density * norm(l.gravity) * (level_ - low_[2]);
+    constexpr int chunk = 100, most = 3000;
+    for (int steps = 0; steps < most; steps += chunk) {
+      engine->pack(pressure, dt, 0.95, chunk);
+      if (engine->figures().largest_speed * dt < 1e-5 * l.spacing) break;
+    }
+    if (engine->figures().passed_walls > 0)
+      refuse(std::to_string(engine->figures().passed_walls) +
+                 " particles left the region while they were packed",
+             "close the walls around the liquid, or take a smaller spacing");
+    state = engine->state();
+    for (std::size_t i = 0; i < start.size(); ++i) start[i].x = state.position[i];
+    return start;
+  }
+
+  // A rectangle at the level that covers the region.
+  TriangleMesh lid() const {
+    const double more = 2 * setup_.liquid.support();
+    TriangleMesh mesh;
+    for (const auto& [x, y] :
+         {std::pair{low_[0] - more, low_[1] - more}, std::pair{high_[0] + more, low_[1] - more},
+          std::pair{high_[0] + more, high_[1] + more}, std::pair{low_[0] - more, high_[1] + more}})
+      mesh.vertices.push_back(x * frame_.axis[0] + y * frame_.axis[1] + level_ * up());
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+  }
+
+  const LiquidSetup& setup_;
+  const std::vector<dem::BodyPose>& poses_;
+  const TriangleMesh& region_;
+  Frame frame_;
+  Walls walls_;
+  double low_[3]{}, high_[3]{};  // bounds of the region along the axes of the lattice [m]
+  double level_ = 0;             // along `up` [m]
+  std::size_t wanted_ = 0;       // particles
+};
+
+}  // namespace
+
+double volume_below(const TriangleMesh& region, Vec3d up, double level) {
+  return part_below(region, up, level).volume;
+}
+
+LiquidState fill_region(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses,
+                        const TriangleMesh& region, const FillAmount& amount) {
+  expect_liquid(setup.liquid);
+  if (!(norm(setup.liquid.gravity) > 0))
+    refuse("a level without gravity", "give gravity, or place the particles otherwise");
+  if (amount.height.has_value() == amount.volume.has_value())
+    refuse("neither or both of height and volume", "give one of them");
+  if (const std::string why = why_not_solid(region); !why.empty())
+    refuse("a region that is not closed: " + why, "give a closed mesh");
+  return Filler(setup, poses, region, amount).fill();
+}
+
+}  // namespace tandem::sph

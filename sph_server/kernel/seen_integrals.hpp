@@ -1,0 +1,45 @@
+// The integrals over what a point sees of each facet near it.
+#pragma once
+
+#include <cmath>
+
+#include "sph_server/kernel/facet_integrals.hpp"
+#include "sph_server/kernel/visible_part.hpp"
+
+namespace tandem::sph {
+
+// Facet: has corners a, b, c and a unit `normal`. Facets: `count` of them in `facet`. overflow becomes true
+// where a facet falls into too many parts.
+template <class Facets>
+TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, const WallKernel& kernel,
+                                        bool& overflow) {
+  const auto& f = near.facet[k];
+  const Vec3d corner[3] = {f.a, f.b, f.c};
+  const double tolerance = 1e-6 * kernel.R;
+  Polygon whole;
+  whole.count = 3;
+  for (int n = 0; n < 3; ++n) whole.corner[n] = corner[n];
+  const auto may_hide = [&](const auto& g) {
+    const double height = dot(x - g.a, g.normal);
+    if (std::fabs(height) <= tolerance) return false;
+    const Vec3d away = height > 0 ? -g.normal : g.normal;
+    return reaches_beyond(whole, g.a, away, tolerance);
+  };
+  int other = 0;
+  while (other < near.count && (other == k || !may_hide(near.facet[other]))) ++other;
+  if (other == near.count) return facet_integrals(x, corner, 3, f.normal, kernel);
+  FacetIntegrals sum;
+  const bool whole_sum = for_visible_parts(
+      whole, f.normal, x, kernel.R, near.count,
+      [&](int n) {
+        const auto& g = near.facet[n];
+        return n == k || !may_hide(g) ? Shadow{} : Shadow::of(x, g.a, g.b, g.c, g.normal, tolerance);
+      },
+      [&](const Polygon& part) {
+        sum += facet_integrals(x, part.corner.data(), part.count, f.normal, kernel);
+      });
+  overflow = overflow || !whole_sum;
+  return sum;
+}
+
+}  // namespace tandem::sph

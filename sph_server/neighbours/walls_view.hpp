@@ -1,0 +1,107 @@
+// Walls of bodies as plain arrays, for host and device: facets near a point, and what is between two points.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "particles/base/uninitialised.hpp"
+#include "particles/geometry/facet.hpp"
+#include "particles/geometry/path.hpp"
+
+namespace tandem::sph {
+
+// A facet near a point, in world axes.
+struct NearFacet {
+  Vec3d a, b, c, normal;  // [m], [-]
+  std::uint32_t body = 0;
+};
+
+// Facets near one point.
+struct NearWalls {
+  static constexpr int most = 256;
+  dem::UninitialisedArray<NearFacet, most> facet;
+  int count = 0;
+  bool overflow = false;  // there are more than `most`
+};
+
+// Is every point of the triangle further than `radius` from x, seen across its plane or across one edge?
+TANDEM_HD inline bool is_far(const dem::Facet& f, Vec3d x, double radius) {
+  if (std::fabs(dot(x - f.a, f.normal)) >= radius) return true;
+  const Vec3d corner[3] = {f.a, f.b, f.c};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d edge = corner[k < 2 ? k + 1 : 0] - corner[k], outward = cross(edge, f.normal);
+    const double beyond = dot(x - corner[k], outward);
+    if (beyond >= 0 && beyond * beyond >= radius * radius * norm2(edge)) return true;
+  }
+  return false;
+}
+
+// Does the segment from x to y cross the triangle? Its edges belong to it, so that a closed mesh is tight.
+TANDEM_HD inline bool crosses(const dem::Facet& f, Vec3d x, Vec3d y) {
+  const double from = dot(x - f.a, f.normal), to = dot(y - f.a, f.normal);
+  if ((from > 0 && to > 0) || (from < 0 && to < 0) || from == to) return false;
+  const Vec3d at = x + (from / (from - to)) * (y - x), corner[3] = {f.a, f.b, f.c};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d edge = corner[k < 2 ? k + 1 : 0] - corner[k];
+    if (dot(at - corner[k], cross(f.normal, edge)) < -1e-12 * norm2(edge)) return false;
+  }
+  return true;
+}
+
+struct WallsView {
+  const dem::Facet* facet = nullptr;
+  const dem::FacetGrid* grid = nullptr;       // (bodies)
+  const std::uint32_t* cell_start = nullptr;  // see dem::Surface
+  const std::uint32_t* cell_facet = nullptr;
+  const dem::BodyPose* pose = nullptr;  // (bodies)
+  const std::uint8_t* slip = nullptr;   // 1: of a body without friction (bodies)
+  std::uint32_t bodies = 0;
+
+  TANDEM_HD Vec3d into_body(std::uint32_t body, Vec3d x) const {
+    return pose[body].R.transpose_times(x - pose[body].p);
+  }
+  // `in_body`: a point in the frame of the body [m].
+  TANDEM_HD dem::NearFacets near(std::uint32_t body, Vec3d in_body) const {
+    return dem::near_facets(grid[body], cell_start, cell_facet, in_body);
+  }
+
+  // Facets that may have a point within `radius` <= reach of x, in ascending order of body and facet.
+  TANDEM_HD void find(Vec3d x, double radius, NearWalls& found) const {
+    found.count = 0;
+    found.overflow = false;
+    for (std::uint32_t body = 0; body < bodies; ++body) {
+      const Vec3d in_body = into_body(body, x);
+      const dem::NearFacets listed = near(body, in_body);
+      for (int k = 0; k < listed.count; ++k) {
+        const dem::Facet& f = facet[listed[k]];
+        if (is_far(f, in_body, radius)) continue;
+        if (found.count == NearWalls::most) {
+          found.overflow = true;
+          return;
+        }
+        const dem::BodyPose& at = pose[body];
+        found.facet[found.count++] = {at.p + at.R * f.a, at.p + at.R * f.b, at.p + at.R * f.c,
+                                      at.R * f.normal, body};
+      }
+    }
+  }
+
+  // Is a facet between two points, less than the reach apart? The answer for (x, y) is that for (y, x).
+  TANDEM_HD bool between(Vec3d x, Vec3d y) const {
+    const bool in_order = x.x != y.x ? x.x < y.x : x.y != y.y ? x.y < y.y : x.z < y.z;
+    const Vec3d first = in_order ? x : y, second = in_order ? y : x;
+    for (std::uint32_t body = 0; body < bodies; ++body)
+      if (crossed(body, into_body(body, first), into_body(body, second))) return true;
+    return false;
+  }
+
+  // Does a segment in the frame of the body cross one of its facets? The facets are those near `from`.
+  TANDEM_HD bool crossed(std::uint32_t body, Vec3d from, Vec3d to) const {
+    const dem::NearFacets listed = near(body, from);
+    for (int k = 0; k < listed.count; ++k)
+      if (crosses(facet[listed[k]], from, to)) return true;
+    return false;
+  }
+};
+
+}  // namespace tandem::sph

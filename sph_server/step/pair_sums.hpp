@@ -1,0 +1,81 @@
+// Sums of one particle over its neighbours: the only pass over the neighbours in a step.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "particles/base/fixed_point.hpp"
+#include "sph_server/equations/pair_terms.hpp"
+#include "sph_server/equations/shift.hpp"
+#include "sph_server/step/arrays.hpp"
+
+namespace tandem::sph {
+
+struct Quanta {
+  dem::Quantum acceleration;  // [m/s2]
+  dem::Quantum rate;          // [1/s]
+  dem::Quantum power;         // [W]
+  dem::Quantum torque;        // [N m]
+};
+
+// Fixed-point sums are of rounded addends that are antisymmetric to the bit, so that the sums over all
+// particles vanish exactly. The others are sums in the order of the list.
+template <class Real, bool shifting>
+struct PairSums {
+  std::int64_t acceleration[3]{};  // by pressure and viscosity, in quanta
+  std::int64_t continuity = 0;     // in quanta
+  std::int64_t diffusion = 0;
+  Vec3<Real> viscous;      // the part of the acceleration by viscosity [m/s2]
+  Real viscous_power = 0;  // of viscosity, of both particles of a pair, divided by the mass [W/kg]
+  Crowding<Real, shifting> crowding;
+};
+
+template <class Real, bool shifting>
+struct SumPairs {
+  LiquidArrays<Real> liquid;
+  dem::LengthUnit<Real> unit;
+  Vec3<typename dem::LengthUnit<Real>::Count> period;
+  PairConstants<Real> pair;
+  Quanta quanta;
+
+  TANDEM_HD PairSums<Real, shifting> operator()(std::uint32_t i) const {
+    PairSums<Real, shifting> sum;
+    const Seen<Real> self = liquid.seen(i);
+    const dem::PositionRadius<Real> here = liquid.position[i];
+    const std::uint32_t end = liquid.start[i + 1];
+    for (std::uint32_t n = liquid.start[i]; n < end; ++n) {
+      const Neighbour neighbour = liquid.neighbour[n];
+      const std::uint32_t j = neighbour.index();
+      const Vec3<Real> d = apart(here, liquid.position[j], neighbour.image());
+      const Real r2 = norm2(d);
+      if (r2 >= pair.support2) continue;
+      const Seen<Real> other = liquid.seen(j);
+      const PairTerms<Real> t = pair_terms(pair, d, r2, self, other);
+      const Vec3<Real> force = t.pressure + t.viscous;
+      for (int a = 0; a < 3; ++a)
+        sum.acceleration[a] += dem::to_fixed(static_cast<double>(force[a]), quanta.acceleration);
+      sum.continuity += dem::to_fixed(static_cast<double>(t.continuity), quanta.rate);
+      sum.diffusion += dem::to_fixed(static_cast<double>(t.diffusion), quanta.rate);
+      sum.viscous += t.viscous;
+      sum.viscous_power += dot(t.viscous, self.v - other.v);
+      if constexpr (shifting) sum.crowding.add(pair, d, r2, other.volume, t.continuity);
+    }
+    return sum;
+  }
+
+ private:
+  TANDEM_HD Vec3<Real> apart(const dem::PositionRadius<Real>& a, const dem::PositionRadius<Real>& b,
+                             dem::Image image) const {
+    using Unit = dem::LengthUnit<Real>;
+    Vec3<typename Unit::Count> d{Unit::minus(a.x, b.x), Unit::minus(a.y, b.y), Unit::minus(a.z, b.z)};
+    if (image != 0) {
+      for (int k = 0; k < 3; ++k) {
+        if (image & dem::image_above(k)) d[k] = Unit::minus(d[k], period[k]);
+        if (image & dem::image_below(k)) d[k] = Unit::minus(d[k], Unit::minus(0, period[k]));
+      }
+    }
+    return {unit.metres(d.x), unit.metres(d.y), unit.metres(d.z)};
+  }
+};
+
+}  // namespace tandem::sph
