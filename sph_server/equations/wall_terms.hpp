@@ -45,6 +45,15 @@ TANDEM_HD inline WallTerms wall_terms(const WallConstants& c, const FacetIntegra
   return t;
 }
 
+// Morris' form of viscosity carries the stress mu grad v, of which the liquid feels the same as of
+// mu (grad v + its transpose). The force on a wall lacks mu (grad v)^T n: over a closed wall it has no
+// resultant, but the moment by which the shear of a wall that turns with w [rad/s] is too small. This
+// acceleration of the particle, were it there, would have the opposite moment [m/s2].
+TANDEM_HD inline Vec3d shear_of_turning(const WallConstants& c, const FacetIntegrals& f, Vec3d n, Vec3d w,
+                                        double volume) {
+  return (volume * c.inverse_mass * c.viscous * f.surface) * cross(w, n);
+}
+
 // The part of the acceleration by pressure that comes from the difference of the pressures of ghost and
 // particle. Particle and ghost share the gradient of the pressure, which is -rho0 times the acceleration by
 // pressure `a`. So a satisfies

@@ -17,7 +17,7 @@ struct FacetIntegrals {
   Vec3d moment;        // integral of (y - x) W over the points y of the facet [-]
   double shadow = 0;   // integral of W over the shadow [-]
 
-  FacetIntegrals& operator+=(const FacetIntegrals& b) {
+  TANDEM_HD FacetIntegrals& operator+=(const FacetIntegrals& b) {
     surface += b.surface;
     moment += b.moment;
     shadow += b.shadow;
