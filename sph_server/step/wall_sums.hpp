@@ -112,7 +112,7 @@ struct SumWalls {
       pressed += t.pressure;
       tally.add(Power::viscosity, mass * dot(t.viscous, p.v - s.v_wall), quanta.power);
       for (int a = 0; a < 3; ++a) {
-        represented.row[a] += (of_ghosts * s.normal[a]) * s.integrals.moment;
+        represented.row[a] += of_ghosts * (s.normal[a] * s.integrals.moment + s.integrals.sides.row[a]);
         represented.row[a][a] -= of_ghosts * s.integrals.shadow;
       }
     }
