@@ -17,9 +17,9 @@ struct Liquid {
   double shifting = 0;          // of particles that a flow moves apart, see step/shift.hpp; 0: none [-]
   Vec3d gravity;                // [m/s2]
 
-  double h() const { return smoothing * spacing; }                       // [m]
-  double support() const { return 2 * h(); }                             // [m]
-  double mass() const { return density * spacing * spacing * spacing; }  // of a particle [kg]
+  TANDEM_HD double h() const { return smoothing * spacing; }                       // [m]
+  TANDEM_HD double support() const { return 2 * h(); }                             // [m]
+  TANDEM_HD double mass() const { return density * spacing * spacing * spacing; }  // of a particle [kg]
 };
 
 }  // namespace tandem::sph

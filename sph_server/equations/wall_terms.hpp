@@ -45,17 +45,26 @@ TANDEM_HD inline WallTerms wall_terms(const WallConstants& c, const FacetIntegra
   return t;
 }
 
+// Morris' form of viscosity carries the stress mu grad v, of which the liquid feels the same as of
+// mu (grad v + its transpose). The force on a wall lacks mu (grad v)^T n: over a closed wall it has no
+// resultant, but the moment by which the shear of a wall that turns with w [rad/s] is too small. This
+// acceleration of the particle, were it there, would have the opposite moment [m/s2].
+TANDEM_HD inline Vec3d shear_of_turning(const WallConstants& c, const FacetIntegrals& f, Vec3d n, Vec3d w,
+                                        double volume) {
+  return (volume * c.inverse_mass * c.viscous * f.surface) * cross(w, n);
+}
+
 // The part of the acceleration by pressure that comes from the difference of the pressures of ghost and
 // particle. Particle and ghost share the gradient of the pressure, which is -rho0 times the acceleration by
 // pressure `a`. So a satisfies
-//   a = a_0 - sum over the facets of M a,   M a = V rho0 / m (n (Y . a) - B a)
-// where a_0 is the acceleration by the pressure of particles and by 2 p_i at walls, and Y and B are integrals
-// of the facet. I + M is the part of the identity that the kernel of the liquid represents
+//   a = a_0 - sum over the facets of M a,   M a = V rho0 / m (n (Y . a) - B a + D a)
+// where a_0 is the acceleration by the pressure of particles and by 2 p_i at walls, and Y, B and D are
+// integrals of the facet. I + M is the part of the identity that the kernel of the liquid represents
 // [RandlesLibersky1996]. A liquid at rest, one that is accelerated with its walls and one that falls
 // freely beside a wall all follow from the one rule.
 TANDEM_HD inline Vec3d ghost_gradient(const WallConstants& c, const FacetIntegrals& f, Vec3d n, Vec3d a,
                                       double volume) {
-  return (volume * c.density * c.inverse_mass) * (f.shadow * a - dot(f.moment, a) * n);
+  return (volume * c.density * c.inverse_mass) * (f.shadow * a - dot(f.moment, a) * n - f.sides * a);
 }
 
 // The solution x of A x = b; A is regular.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/math/vec3.hpp"
+#include "common/math/rotation.hpp"
 #include "sph_server/kernel/wall_kernel.hpp"
 
 namespace tandem::sph {
@@ -16,11 +16,15 @@ struct FacetIntegrals {
   double surface = 0;  // integral of W over the facet [1/m]
   Vec3d moment;        // integral of (y - x) W over the points y of the facet [-]
   double shadow = 0;   // integral of W over the shadow [-]
+  // Sum over the sides of the shadow, planes through x and an edge, of their normal away from the shadow
+  // times the integral of (y - x) W over them. The sides of facets that join cancel [-].
+  Mat3d sides;
 
-  FacetIntegrals& operator+=(const FacetIntegrals& b) {
+  TANDEM_HD FacetIntegrals& operator+=(const FacetIntegrals& b) {
     surface += b.surface;
     moment += b.moment;
     shadow += b.shadow;
+    for (int a = 0; a < 3; ++a) sides.row[a] += b.sides.row[a];
     return *this;
   }
 };
@@ -85,13 +89,38 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
   return sum;
 }
 
+// Integral of (y - x) W over the part of the plane through x and the edge that is beyond the edge, divided by
+// 21/(2 pi): the angle about x from the nearest point of the edge's line, by the formula of Gauss. a, b: ends
+// of the edge as seen from x, divided by R.
+TANDEM_HD inline Vec3d side_integral(const WallKernel& kernel, Vec3d a, Vec3d b) {
+  constexpr double node[3] = {0.2386191860831969, 0.6612093864662645, 0.9324695142031521},
+                   weight[3] = {0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
+  const Vec3d along = normalized(b - a), foot = a - dot(a, along) * along;
+  const double distance = norm(foot);
+  if (!(distance > 1e-9 && distance < 1)) return {};
+  const Vec3d across = (1 / distance) * foot;
+  const double most = std::acos(distance);
+  const double from = std::fmax(std::atan2(dot(a, along), distance), -most),
+               to = std::fmin(std::atan2(dot(b, along), distance), most);
+  if (!(from < to)) return {};
+  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+  Vec3d sum;
+  for (int k = 0; k < 6; ++k) {
+    const double angle = middle + (k < 3 ? -half : half) * node[k % 3], c = std::cos(angle);
+    const double s = std::fmin(distance / c, 1.0);
+    sum += (half * weight[k % 3] * kernel.tail_of_volume(s)) * (c * across + std::sin(angle) * along);
+  }
+  return sum;
+}
+
 // Integrals over a convex polygon of `count` corners, counter-clockwise about `normal` (unit). x may be on
 // either side of its plane.
 TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, int count, Vec3d normal,
                                                 const WallKernel& kernel) {
   const double R = kernel.R;
   const double height = dot(x - corner[0], normal);
-  const double d = std::fabs(height) / R, side = height < 0 ? -1 : 1;
+  const double d = std::fabs(height) / R, facing = height < 0 ? -1 : 1;
+  constexpr double scale = 21 / (2 * std::numbers::pi);
   FacetIntegrals sum;
   if (!(d < 1)) return sum;
   double surface = 0, shadow = 0;
@@ -106,11 +135,16 @@ TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, in
     surface += one.surface;
     shadow += one.shadow;
     in_plane -= one.along * outward;
+    Vec3d away = cross(begin, edge);
+    const double size = norm(away);
+    if (!(size > 1e-12 * R * length)) continue;
+    away = ((dot(away, outward) < 0 ? -1 : 1) / size) * away;
+    const Vec3d side = side_integral(kernel, (1 / R) * begin, (1 / R) * (begin + edge));
+    for (int a = 0; a < 3; ++a) sum.sides.row[a] += (scale * away[a]) * side;
   }
-  constexpr double scale = 21 / (2 * std::numbers::pi);
   sum.surface = scale / R * surface;
   sum.shadow = scale * shadow;
-  sum.moment = scale * in_plane - (d * R * side * sum.surface) * normal;
+  sum.moment = scale * in_plane - (d * R * facing * sum.surface) * normal;
   return sum;
 }
 

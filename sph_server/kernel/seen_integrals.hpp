@@ -8,8 +8,8 @@
 
 namespace tandem::sph {
 
-// Facet: has corners a, b, c and a unit `normal`. Facets: `count` of them in `facet`. overflow becomes true
-// where a facet falls into too many parts.
+// Facet: has corners a, b, c, a unit `normal`, `body` and `beyond`, see neighbours/walls_view.hpp. Facets:
+// `count` of them in `facet`. overflow becomes true where a facet falls into too many parts.
 template <class Facets>
 TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, const WallKernel& kernel,
                                         bool& overflow) {
@@ -22,6 +22,7 @@ TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, cons
   const auto may_hide = [&](const auto& g) {
     const double height = dot(x - g.a, g.normal);
     if (std::fabs(height) <= tolerance) return false;
+    if (g.body == f.body && (g.beyond & (height > 0 ? 2 : 1)) == 0) return false;
     const Vec3d away = height > 0 ? -g.normal : g.normal;
     return reaches_beyond(whole, g.a, away, tolerance);
   };

@@ -24,6 +24,12 @@ struct WallKernel {
             {1.0 / 14 + k, 0, -0.5 - 30 * k, 80 * k, 2.5 - 75 * k, -4 + 24 * k, 2.5, -4.0 / 7},
             {0, 0, -1.0 / 6 - 10 * k, 20 * k, 0.5 - 15 * k, -2.0 / 3 + 4 * k, 5.0 / 14, -1.0 / 14}};
   }
+  // t(s), the integral of f(s) s^2 from s to 1.
+  TANDEM_HD double tail_of_volume(double s) const {
+    double value = 0;
+    for (int n = terms - 1; n >= 2; --n) value = (value + n * shadow[n]) * s;
+    return 1.0 / 42 + value * s * s;
+  }
   TANDEM_HD static double sum(const double* coefficient, double s) {
     double value = 0;
     for (int n = terms - 1; n >= 0; --n) value = value * s + coefficient[n];

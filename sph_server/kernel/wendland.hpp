@@ -17,7 +17,7 @@ struct Kernel {
   Real peak = 0;     // W(0) [1/m3]
   Real slope = 0;    // (1/r) dW/dr at r = 0, negative [1/m5]
 
-  static Kernel of_support(double R) {
+  TANDEM_HD static Kernel of_support(double R) {
     constexpr double pi = std::numbers::pi;
     return {static_cast<Real>(R), static_cast<Real>(1 / R), static_cast<Real>(21 / (2 * pi * R * R * R)),
             static_cast<Real>(-210 / (pi * R * R * R * R * R))};

@@ -12,6 +12,17 @@ namespace {
 
 constexpr dem::GridBudget wall_grid_budget{std::size_t{1} << 22, std::size_t{1} << 26};
 
+// On which sides of the plane of f the other facet has corners, see NearFacet.
+std::uint8_t sides_reached(const dem::Facet& f, const dem::Facet& other, double tolerance) {
+  std::uint8_t sides = 0;
+  for (const Vec3d& corner : {other.a, other.b, other.c}) {
+    const double height = dot(corner - f.a, f.normal);
+    if (height > tolerance) sides |= 1;
+    if (height < -tolerance) sides |= 2;
+  }
+  return sides;
+}
+
 }  // namespace
 
 Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::vector<bool>& slip) {
@@ -34,11 +45,19 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::v
     for (const Vec3d& vertex : mesh.vertices) extent = std::max(extent, norm(vertex));
     extent_.push_back(extent);
   }
+  // A point sees only facets of its cell.
+  beyond_.assign(facets_.size(), 0);
+  for (std::size_t cell = 0; cell + 1 < cell_start_.size(); ++cell)
+    for (std::uint32_t i = cell_start_[cell]; i < cell_start_[cell + 1]; ++i) {
+      std::uint8_t& sides = beyond_[cell_facet_[i]];
+      for (std::uint32_t k = cell_start_[cell]; k < cell_start_[cell + 1] && sides != 3; ++k)
+        sides |= sides_reached(facets_[cell_facet_[i]], facets_[cell_facet_[k]], 1e-7 * reach);
+    }
 }
 
 WallsView Walls::view() const {
-  return {facets_.data(), grids_.data(), cell_start_.data(), cell_facet_.data(), poses_.data(),
-          slip_.data(),   bodies()};
+  return {facets_.data(), grids_.data(), cell_start_.data(), cell_facet_.data(),
+          poses_.data(),  slip_.data(),  beyond_.data(),     bodies()};
 }
 
 bool Walls::passed(const std::vector<dem::BodyPose>& poses_then, Vec3d then, Vec3d now) const {

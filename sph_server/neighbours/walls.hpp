@@ -39,8 +39,8 @@ class Walls {
   std::vector<std::uint32_t> cell_start_;  // see dem::Surface
   std::vector<std::uint32_t> cell_facet_;
   std::vector<dem::BodyPose> poses_;
-  std::vector<std::uint8_t> slip_;
-  std::vector<double> extent_;  // largest distance of a vertex from the origin of its body [m]
+  std::vector<std::uint8_t> slip_, beyond_;  // see WallsView
+  std::vector<double> extent_;               // largest distance of a vertex from the origin of its body [m]
 };
 
 }  // namespace tandem::sph

@@ -14,6 +14,8 @@ namespace tandem::sph {
 struct NearFacet {
   Vec3d a, b, c, normal;  // [m], [-]
   std::uint32_t body = 0;
+  // Facets of the same body reach beyond the plane, on the side of the normal (bit 0) or the other (bit 1).
+  std::uint8_t beyond = 0;
 };
 
 // Facets near one point.
@@ -53,8 +55,9 @@ struct WallsView {
   const dem::FacetGrid* grid = nullptr;       // (bodies)
   const std::uint32_t* cell_start = nullptr;  // see dem::Surface
   const std::uint32_t* cell_facet = nullptr;
-  const dem::BodyPose* pose = nullptr;  // (bodies)
-  const std::uint8_t* slip = nullptr;   // 1: of a body without friction (bodies)
+  const dem::BodyPose* pose = nullptr;   // (bodies)
+  const std::uint8_t* slip = nullptr;    // 1: of a body without friction (bodies)
+  const std::uint8_t* beyond = nullptr;  // see NearFacet (facets)
   std::uint32_t bodies = 0;
 
   TANDEM_HD Vec3d into_body(std::uint32_t body, Vec3d x) const {
@@ -80,8 +83,9 @@ struct WallsView {
           return;
         }
         const dem::BodyPose& at = pose[body];
-        found.facet[found.count++] = {at.p + at.R * f.a, at.p + at.R * f.b, at.p + at.R * f.c,
-                                      at.R * f.normal, body};
+        found.facet[found.count++] = {
+            at.p + at.R * f.a, at.p + at.R * f.b, at.p + at.R * f.c, at.R * f.normal, body,
+            beyond[listed[k]]};
       }
     }
   }

@@ -66,7 +66,9 @@ struct SumWalls {
   // A facet as the particle sees it.
   struct SeenFacet {
     FacetIntegrals integrals;
-    Vec3d normal, v_wall;  // towards the particle [-], [m/s]
+    Vec3d normal, v_wall;  // towards the particle [-], at the nearest point of the plane [m/s]
+    Vec3d foot;            // nearest point of the plane [m]
+    Vec3d viscous;         // [m/s2]
     Vec3d force;           // divided by the mass of the particle, without the gradient of ghosts [m/s2]
     bool seen;
   };
@@ -97,9 +99,11 @@ struct SumWalls {
       const double height = dot(p.x - f.a, f.normal);
       s.normal = height < 0 ? -f.normal : f.normal;
       const dem::BodyPose& pose = walls.pose[f.body];
-      s.v_wall = pose.v + cross(pose.w, p.x - pose.p);
+      s.foot = p.x - height * f.normal;
+      s.v_wall = pose.v + cross(pose.w, s.foot - pose.p);
       const WallTerms t = wall_terms(wall, s.integrals, s.normal, std::fabs(height), p.v - s.v_wall,
                                      p.pressure, p.volume, walls.slip[f.body] != 0);
+      s.viscous = t.viscous;
       s.force = t.pressure + t.viscous;
       sum.viscous += t.viscous;
       sum.continuity += dem::to_fixed(t.continuity, quanta.rate);
@@ -108,7 +112,7 @@ struct SumWalls {
       pressed += t.pressure;
       tally.add(Power::viscosity, mass * dot(t.viscous, p.v - s.v_wall), quanta.power);
       for (int a = 0; a < 3; ++a) {
-        represented.row[a] += (of_ghosts * s.normal[a]) * s.integrals.moment;
+        represented.row[a] += of_ghosts * (s.normal[a] * s.integrals.moment + s.integrals.sides.row[a]);
         represented.row[a][a] -= of_ghosts * s.integrals.shadow;
       }
     }
@@ -120,8 +124,14 @@ struct SumWalls {
       const Vec3d ghost = ghost_gradient(wall, s.integrals, s.normal, by_pressure, p.volume);
       const Vec3d total = dem::rounded(s.force + ghost, quanta.acceleration);
       const std::uint32_t body = near.facet[k].body;
+      const dem::BodyPose& pose = walls.pose[body];
+      // Pressure acts on the wall along the line to the particle, shear at the nearest point of its plane.
+      const Vec3d shear =
+          s.viscous +
+          (walls.slip[body] != 0 ? Vec3d{} : shear_of_turning(wall, s.integrals, s.normal, pose.w, p.volume));
+      const Vec3d moment = cross(p.x - pose.p, total - s.viscous) + cross(s.foot - pose.p, shear);
       for (int a = 0; a < 3; ++a) sum.acceleration[a] += dem::to_fixed(total[a], quanta.acceleration);
-      bodies.add(body, -total, -mass * cross(p.x - walls.pose[body].p, total), quanta);
+      bodies.add(body, -total, -mass * moment, quanta);
       tally.add(Power::ghost, mass * dot(ghost, p.v - s.v_wall), quanta.power);
       tally.add(Power::walls, mass * dot(total, s.v_wall), quanta.power);
     }

@@ -171,5 +171,23 @@ TEST(CommonEdge, ContinuesTheFloorBehindTheSheet) {
   EXPECT_FALSE(strip_beyond(beside, floor, x, 0.6, 0.05, strip));
 }
 
+// The integral over the shadow of (y - x) (y - x)^T times -(dW/dr)/r is symmetric and has positive
+// eigenvalues; by the divergence theorem it is B I - n Y^T - D. Here a triangle with three free edges.
+TEST(FacetIntegrals, WithTheSidesOfTheShadowAreThoseOfASymmetricTensor) {
+  const WallKernel kernel = WallKernel::of(0.3, 0.1);
+  const Vec3d corner[3] = {{-0.1, -0.05, 0}, {0.15, -0.1, 0}, {0.02, 0.2, 0}}, x{0.03, 0.01, 0.06};
+  const FacetIntegrals f = facet_integrals(x, corner, 3, {0, 0, 1}, kernel);
+  Mat3d tensor;
+  const Vec3d n{0, 0, 1};
+  for (int a = 0; a < 3; ++a) {
+    tensor.row[a] = -1.0 * (n[a] * f.moment + f.sides.row[a]);
+    tensor.row[a][a] += f.shadow;
+  }
+  for (int a = 0; a < 3; ++a) {
+    EXPECT_GT(tensor.row[a][a], 0);
+    for (int b = 0; b < a; ++b) EXPECT_NEAR(tensor.row[a][b], tensor.row[b][a], 1e-5) << a << b;
+  }
+}
+
 }  // namespace
 }  // namespace tandem::test
