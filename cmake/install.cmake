@@ -1,5 +1,5 @@
 # `cmake --install build/PRESET --prefix DIR` makes one folder that can be moved and copied:
-#   bin/    tandem, mbd_server, dem_server
+#   bin/    tandem, mbd_server, dem_server, sph_server
 #   lib/    libtandem_participant, and cmake/tandem for find_package(tandem) (participant/CMakeLists.txt)
 #   lib/tandem/  every shared library that they need, except glibc: a machine with the same or a newer glibc runs them; also
 #           the plug-ins of Cyclone DDS for DDS Security, which it opens by name (protocol/dds/certificates.cpp)
@@ -20,7 +20,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION share/tandem/docs)
 # Put after the programs' own install rules: they must lie in bin/ before they can be stripped.
 function(tandem_install_libraries)
   install(CODE "
-    set(programs \"$<TARGET_FILE:tandem>\" \"$<TARGET_FILE:mbd_server>\" \"$<TARGET_FILE:dem_server>\")
+    set(programs \"$<TARGET_FILE:tandem>\" \"$<TARGET_FILE:mbd_server>\" \"$<TARGET_FILE:dem_server>\" \"$<TARGET_FILE:sph_server>\")
     set(plug_ins \"${TANDEM_DDS_PLUG_INS}\")
     set(own_libraries \"$<TARGET_FILE:tandem_participant>\")
     set(patchelf \"${TANDEM_PATCHELF}\")

@@ -12,7 +12,7 @@
 #include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/plain_text.hpp"
-#include "mbd_server/contact/contact_tangents.hpp"
+#include "mbd_server/coupling/contact_tangents.hpp"
 #include "mbd_server/coupling/facts.hpp"
 #include "mbd_server/io/state_file.hpp"
 #include "mbd_server/setup/build.hpp"

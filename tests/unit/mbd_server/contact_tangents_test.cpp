@@ -1,5 +1,5 @@
 // Stiffness of the contacts of a body with the ground, against the sum over its points.
-#include "mbd_server/contact/contact_tangents.hpp"
+#include "mbd_server/coupling/contact_tangents.hpp"
 
 #include <gtest/gtest.h>
 

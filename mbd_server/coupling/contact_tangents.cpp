@@ -1,4 +1,4 @@
-#include "mbd_server/contact/contact_tangents.hpp"
+#include "mbd_server/coupling/contact_tangents.hpp"
 
 #include "mbd_server/io/observation.hpp"
 
