@@ -1,4 +1,5 @@
 // Scenes with a liquid: what is read, and what is refused.
+#include "common/error.hpp"
 #include "common/scene/parse.hpp"
 #include "tests/unit/common/good_scene.hpp"
 #include "tests/unit/common/wrong_scene.hpp"

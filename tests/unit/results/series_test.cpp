@@ -58,7 +58,7 @@ TEST(Series, TheCheckItselfCanFail) {
 TEST(Series, ParticlesReadBack) {
   const toy::Folder folder;
   {
-    ParticleSeries series(prepared(folder));
+    ParticleSeries series(prepared(folder), "particles");
     series.append(toy::particles_frame(0, 4));
     series.append(toy::particles_frame(0.5, 3));
     series.finish();
@@ -74,7 +74,7 @@ TEST(Series, ParticlesReadBack) {
 
 TEST(Series, FrameWithoutParticles) {
   const toy::Folder folder;
-  ParticleSeries series(prepared(folder));
+  ParticleSeries series(prepared(folder), "particles");
   series.append(toy::particles_frame(0, 1));
   series.append(toy::particles_frame(1, 0));
   series.finish();
@@ -111,7 +111,7 @@ TEST(Series, ADeathAtAnyMomentLeavesReadableFiles) {
     ASSERT_GE(child, 0);
     if (child == 0) {
       std::filesystem::create_directories(run / frames_folder);
-      ParticleSeries series(run);
+      ParticleSeries series(run, "particles");
       // One system call after the other, until the alarm.
       const itimerval alarm{{0, 0}, {0, 300 + 150 * last}};
       std::signal(SIGALRM, SIG_DFL);
@@ -144,7 +144,7 @@ TEST(Series, FullDiskIsAResourceErrorWithThePath) {
     const rlimit limit{64 * 1024, 64 * 1024};
     setrlimit(RLIMIT_FSIZE, &limit);
     try {
-      ParticleSeries series(prepared(folder));
+      ParticleSeries series(prepared(folder), "particles");
       series.append(toy::particles_frame(0, 10000));
     } catch (const Error& error) {
       const bool good = error.code() == ErrorCode::resource &&
