@@ -379,7 +379,7 @@ std::vector<Rule> make_rules() {
              f.value);
        }});
   table.push_back(
-      {"contact_depth", "mbd_contact_depth_share", 0.1,
+      {"contact_depth", "mbd_contact_depth_share", 0.25,
        "points and normals of a contact are those of shapes that hardly overlap; loads at rest press by much "
        "less, and at the middle of the thinner shape the run ends",
        "more stiffness of the materials in `mbd.contact`", fixed,
