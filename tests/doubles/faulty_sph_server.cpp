@@ -1,5 +1,5 @@
-// An sph_server that returns only a part of the loads on walls, or reports false values (fault.hpp), for tests of
-// the coordinator's checks.
+// An sph_server that returns only a part of the loads on walls, or reports false values (fault.hpp), for
+// tests of the coordinator's checks.
 #include "protocol/participant/main.hpp"
 #include "sph_server/coupling/make_solver.hpp"
 #include "tests/doubles/fault.hpp"
@@ -12,9 +12,7 @@ using namespace tandem::protocol;
 class FaultyLiquid final : public LoadSolver {
  public:
   Role role() const override { return Role::sph; }
-  std::uint64_t capabilities() const override {
-    return LoadSolver::capabilities() | can_observe_liquid;
-  }
+  std::uint64_t capabilities() const override { return LoadSolver::capabilities() | can_observe_liquid; }
   Configured configure(const Configuration& configuration) override {
     return solver_->configure(configuration);
   }
@@ -31,7 +29,8 @@ class FaultyLiquid final : public LoadSolver {
     Report report = test::with_fault(solver_->report());
     auto facts = nlohmann::ordered_json::parse(report.facts);
     facts["passed_walls"] = test::fault().value("passed", std::uint64_t{0});
-    facts["energy_residual_J"] = test::fault().value("energy_share", 0.0) * facts["energy_scale_J"].get<double>();
+    facts["energy_residual_J"] =
+        test::fault().value("energy_share", 0.0) * facts["energy_scale_J"].get<double>();
     report.facts = facts.dump();
     return report;
   }
