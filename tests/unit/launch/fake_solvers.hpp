@@ -145,7 +145,7 @@ class Session {
     const Nanoseconds begin = window_.end;
     window_ = {windows_++, begin, begin + to_nanoseconds(H)};
     exchange.held = false;
-    step({mbd_.get(), dem_.get()}, scene::Coupling{}, window_, exchange);
+    step({mbd_.get(), {dem_.get()}}, scene::Coupling{}, window_, exchange);
   }
 
   Exchange exchange;
