@@ -92,6 +92,7 @@ class SummaryKeys(Case):
         self.look_at(fill_test.BED, out="bed")
         self.look_at(SHIPPED / "mbd" / "four_bars.json", out="four_bars")
         self.look_at(SHIPPED / "mbd" / "stops.json", out="stops")
+        self.look_at(SHIPPED / "tank.json", "--end-time", "0.01", out="tank")
         self.assertEqual(self.known - self.seen - RARE, set(), "listed, and not written by any run here")
         print(f"\n  {len(self.seen)} numbers written, {len(self.known)} listed")
 

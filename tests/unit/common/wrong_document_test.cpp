@@ -102,7 +102,8 @@ const WrongScene wrong_document[] = {
      "\"load\": "
      "\"linear\")"},
     {"NeitherSolver", R"([{"op": "remove", "path": "/mbd"}, {"op": "remove", "path": "/dem"}])",
-     "the scene has neither 'mbd' nor 'dem' (give bodies, particles, or both)"},
+     "the scene has neither 'mbd' nor 'dem' nor 'sph' (give bodies, particles, a liquid, or several of "
+     "them)"},
     {"FrameIntervalNotWholeWindows",
      R"([{"op": "replace", "path": "/output/frame_interval", "value": 0.0015}])",
      "output.frame_interval: 0.0015 s is no whole number of windows of 0.001 s (the nearest is 0.002 s)"},
@@ -252,7 +253,8 @@ TEST(WrongText, InvalidUtf8) {
 
 TEST(WrongText, NoObject) {
   EXPECT_EQ(verdict("[]"),
-            "scene.json: the value is [] (give an object: a multibody system, particles, or both; SI units; "
+            "scene.json: the value is [] (give an object: a multibody system, particles, a liquid, or "
+            "several of them; SI units; "
             "docs/scene_format.md is the page for people)");
 }
 

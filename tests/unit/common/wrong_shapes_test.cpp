@@ -20,7 +20,8 @@ const WrongScene wrong_shapes[] = {
      "mbd.bodies[3].shapes[0].use: the scene has no mbd.contact, which gives the materials of contacts (add "
      "mbd.contact, or give graphics)"},
     {"ShapeWithoutUse", SHAPES(R"({"name": "a", "shape": {"type": "sphere", "radius": 1}})"),
-     "mbd.bodies[3].shapes[0]: the key 'use' is missing (add use: wall for the particles, graphics only, or "
+     "mbd.bodies[3].shapes[0]: the key 'use' is missing (add use: wall for the particles and the liquid, "
+     "graphics only, or "
      "contact between bodies)"},
     {"WallWithoutMaterial",
      SHAPES(R"({"name": "a", "use": "wall", "shape": {"type": "sphere", "radius": 1}})"),
@@ -242,7 +243,7 @@ TEST(WrongShapes, WithoutParticles) {
   EXPECT_EQ(
       with(R"("use": "wall", "density": 1)"),
       "scene.json: mbd.bodies[0].shapes[0].use: there are no particles to be a wall for (give graphics, or "
-      "add dem)");
+      "add dem or sph)");
   EXPECT_EQ(
       with(R"("use": "graphics", "material": "steel")"),
       "scene.json: mbd.bodies[0].shapes[0].material: materials are those of dem, which the scene does not "
