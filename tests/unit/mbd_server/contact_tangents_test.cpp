@@ -11,19 +11,19 @@
 namespace tandem::mbd {
 namespace {
 
-constexpr double k = 1e6, mass = 1, g = 9.81;
-const Vector3d half(0.1, 0.05, 0.03);
+constexpr double point_stiffness = 1e6, box_mass = 1, gravity = 9.81;
+const Vector3d half_box(0.1, 0.05, 0.03);
 using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 // A box that particles touch stands on a plane, both turned by R.
 scene::Scene box_on_plane(const Quaterniond& R) {
-  scene::Scene scene = machines::empty(to_vec3(R * Vector3d(0, 0, -g)));
-  const double depth = mass * g / (4 * k);
-  const BodyId box = machines::add_body(scene, "box", mass, {1e-3, 1e-3, 1e-3},
-                                        to_vec3(R * Vector3d(0, 0, half.z() - depth)));
+  scene::Scene scene = machines::empty(to_vec3(R * Vector3d(0, 0, -gravity)));
+  const double depth = box_mass * gravity / (4 * point_stiffness);
+  const BodyId box = machines::add_body(scene, "box", box_mass, {1e-3, 1e-3, 1e-3},
+                                        to_vec3(R * Vector3d(0, 0, half_box.z() - depth)));
   scene.mbd->bodies[0].pose.q_WB = {R.w(), R.x(), R.y(), R.z()};
   scene.contact.emplace();
-  scene.contact->materials.push_back({"stuff", k, 0, 0, 0.5, 0.5});
+  scene.contact->materials.push_back({"stuff", point_stiffness, 0, 0, 0.5, 0.5});
   scene::Shape shape;
   shape.use = scene::ShapeUse::contact;
   shape.contact_material = 0;
@@ -33,7 +33,7 @@ scene::Scene box_on_plane(const Quaterniond& R) {
   shape.name = "hull";
   shape.body = box;
   shape.is_of_body = true;
-  shape.geometry = scene::BoxShape{{2 * half.x(), 2 * half.y(), 2 * half.z()}, {}};
+  shape.geometry = scene::BoxShape{{2 * half_box.x(), 2 * half_box.y(), 2 * half_box.z()}, {}};
   scene.shapes.push_back(shape);
   scene.dem.emplace().walls.emplace_back().body = box;
   return scene;
@@ -41,11 +41,11 @@ scene::Scene box_on_plane(const Quaterniond& R) {
 
 TEST(ContactTangents, OfABoxAreTheSumOverItsCorners) {
   RowMajor6 of_box = RowMajor6::Zero();
-  const Vector3d of_point(2.0 / 7 * k, 2.0 / 7 * k, k);
-  for (const double x : {-half.x(), half.x()})
-    for (const double y : {-half.y(), half.y()}) {
+  const Vector3d of_point(2.0 / 7 * point_stiffness, 2.0 / 7 * point_stiffness, point_stiffness);
+  for (const double x : {-half_box.x(), half_box.x()})
+    for (const double y : {-half_box.y(), half_box.y()}) {
       Eigen::Matrix<double, 3, 6> J;
-      J << Matrix3d::Identity(), -skew({x, y, -half.z()});
+      J << Matrix3d::Identity(), -skew({x, y, -half_box.z()});
       of_box += J.transpose() * of_point.asDiagonal() * J;
     }
   for (const Quaterniond& R : {Quaterniond::Identity(), Quaterniond(0.3, -0.5, 0.7, 0.2).normalized()}) {
