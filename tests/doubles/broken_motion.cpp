@@ -72,6 +72,7 @@ class BrokenMotion final : public MotionSolver {
     if (fault_.frame) fault_.frame(frame_);
     return frame_;
   }
+  const TangentSet& linearise() override { return solver_->linearise(); }
   Report report() override { return solver_->report(); }
 
  private:

@@ -44,6 +44,7 @@ class DropsLoad final : public MotionSolver {
   void restore() override { solver_->restore(); }
   Report report() override { return test::with_fault(solver_->report()); }
   const MotionSet& predict(const Window& window) override { return solver_->predict(window); }
+  const TangentSet& linearise() override { return solver_->linearise(); }
   const BodiesFrame& observe() override {
     frame_ = solver_->observe();
     for (BodyState& state : frame_.bodies)

@@ -80,7 +80,7 @@ class Replay(ReplayCase):
         for arguments, words in [((SCENES / "pendulum.json", "--role", "mbd"), "is no recording"),
                                  ((self.folder / "nothing", "--role", "mbd"), "nothing: "),
                                  ((self.folder, "--list"), str(self.folder)),
-                                 ((recording,), "needs --role mbd, --role dem or --list"),
+                                 ((recording,), "needs --role mbd, --role dem, --role sph or --list"),
                                  ((recording, "--role", "dem", "--server", "./no_such_program"), "no_such_program does not exist"),
                                  ((recording, "--role", "dem", "--list"), "--role excludes --list"),
                                  ((recording, "--role", "dem", "--patience", "-1"), "--patience")]:

@@ -66,6 +66,7 @@ TEST(Summary, ChecksKnowTheNumbersOfTheSolvers) {
   scene.mbd.emplace();
   scene.dem.emplace().outlets.emplace_back();
   scene.sph.emplace();
+  scene.contact.emplace();
   const std::vector<std::string> keys = scene::summary_keys(scene);
   for (const Role role : protocol::all_roles)
     for (std::string key : protocol::numeric_facts(role)) {
