@@ -259,6 +259,7 @@ TEST(IterationMatrix, OfContactsIsTheDerivative) {
     scene::Geometry a, b;
     Vec3d apart;  // from b to a
     bool hertz = false;
+    double tolerance = 1e-7;
   };
   const scene::SphereShape ball{.5};
   const scene::BoxShape box{{1, 1.2, .8}, {}};
@@ -267,29 +268,30 @@ TEST(IterationMatrix, OfContactsIsTheDerivative) {
   const scene::HullShape hull{{{0, 0, -.5}, {.4, .1, .3}, {-.4, .2, .3}, {0, -.4, .4}}, {}, 1};
   const scene::CylinderShape wheel{.5, .4, {}, {}};
   const scene::HeightFieldShape hills{2, 2, {{0, .1, 0}, {.1, .2, .05}, {0, .1, .1}}, {}};
-  for (const Touching& t : {Touching{"sphere on plane", ball, plane, {.1, .2, .35}},
-                            Touching{"the same, Hertz", ball, plane, {.1, .2, .35}, true},
-                            Touching{"box on plane", box, plane, {.1, .2, .3}},
-                            Touching{"hull on plane", hull, plane, {.1, .2, .2}},
-                            Touching{"capsule on plane", rod, plane, {.1, .2, .3}},
-                            Touching{"sphere on sphere", ball, ball, {.1, .5, .75}},
-                            Touching{"the same, Hertz", ball, ball, {.1, .5, .75}, true},
-                            Touching{"sphere on a capsule's side", ball, rod, {.3, .6, .1}},
-                            Touching{"sphere on a capsule's end", ball, rod, {.2, .2, 1.1}},
-                            Touching{"sphere on a box's face", ball, box, {.1, .2, .8}},
-                            Touching{"sphere on a box's edge", ball, box, {.7, .8, .1}},
-                            Touching{"sphere on a box's corner", ball, box, {.7, .75, .6}},
-                            Touching{"sphere inside a box", ball, box, {.1, .2, .3}},
-                            Touching{"box on box", box, box, {.1, .2, .75}},
-                            Touching{"hull on box", hull, box, {.1, .2, .8}},
-                            Touching{"capsules along", rod, rod, {.5, .1, .3}},
-                            Touching{"capsule on box", rod, box, {.7, .2, .3}},
-                            Touching{"sphere on hull", ball, hull, {.1, .1, .75}},
-                            Touching{"cylinder on plane", wheel, plane, {.1, .2, .2}},
-                            Touching{"cylinder on a box's face", wheel, box, {.1, .2, .8}},
-                            Touching{"cylinder on a box's edge", wheel, box, {.1, .9, .7}},
-                            Touching{"sphere on a height field", ball, hills, {.1, .1, .5}},
-                            Touching{"box on a height field", box, hills, {.1, .1, .42}}})
+  for (const Touching& t :
+       {Touching{"sphere on plane", ball, plane, {.1, .2, .35}},
+        Touching{"the same, Hertz", ball, plane, {.1, .2, .35}, true},
+        Touching{"box on plane", box, plane, {.1, .2, .3}},
+        Touching{"hull on plane", hull, plane, {.1, .2, .2}},
+        Touching{"capsule on plane", rod, plane, {.1, .2, .3}},
+        Touching{"sphere on sphere", ball, ball, {.1, .5, .75}},
+        Touching{"the same, Hertz", ball, ball, {.1, .5, .75}, true},
+        Touching{"sphere on a capsule's side", ball, rod, {.3, .6, .1}},
+        Touching{"sphere on a capsule's end", ball, rod, {.2, .2, 1.1}},
+        Touching{"sphere on a box's face", ball, box, {.1, .2, .8}},
+        Touching{"sphere on a box's edge", ball, box, {.7, .8, .1}},
+        Touching{"sphere on a box's corner", ball, box, {.7, .75, .6}},
+        Touching{"sphere inside a box", ball, box, {.1, .2, .3}},
+        Touching{"box on box", box, box, {.1, .2, .75}}, Touching{"hull on box", hull, box, {.1, .2, .8}},
+        Touching{"capsules along", rod, rod, {.5, .1, .3}},
+        Touching{"capsule on box", rod, box, {.7, .2, .3}},
+        Touching{"sphere on hull", ball, hull, {.1, .1, .75}},
+        Touching{"cylinder on plane", wheel, plane, {.1, .2, .2}},
+        Touching{"cylinder on a box's face", wheel, box, {.92, .2, .1}},
+        // The gap is of first order in the depth where an edge crosses a rim obliquely (contact/rim.hpp).
+        Touching{"cylinder on a box's edge", wheel, box, {.83, .93, .1}, false, 2e-5},
+        Touching{"sphere on a height field", ball, hills, {.1, .1, .5}},
+        Touching{"box on a height field", box, hills, {.1, .1, .42}}})
     for (const double friction : {0., .02, 50.}) {
       Differences d(touching(t.a, t.b, t.apart, t.hertz, friction));
       d.scatter(0);
@@ -316,7 +318,7 @@ TEST(IterationMatrix, OfContactsIsTheDerivative) {
         any |= f.normal > 0 && f.slides == (friction > 0 && friction < 1);
       }
       EXPECT_TRUE(any) << t.what;
-      d.expect_inverse(t.what, all_weights, d.state.q, d.x0);
+      d.expect_inverse(t.what, all_weights, d.state.q, d.x0, t.tolerance);
     }
 }
 
