@@ -59,6 +59,7 @@ class ForeignBodies final : public MotionSolver {
   Report report() override { return {facts(options_)}; }
   const MotionSet& predict(const Window& window) override { return solver_->predict(window); }
   const MotionSet& extrapolate(const Window& window) override { return solver_->extrapolate(window); }
+  const TangentSet& linearise() override { return solver_->linearise(); }
   const BodiesFrame& observe() override { return solver_->observe(); }
   const MotionSet& advance(const LoadSet& loads) override {
     count_window();

@@ -98,7 +98,7 @@ const WrongScene wrong_sph[] = {
     {"MaterialOfAWall",
      SPH(LIQUID(""),
          R"("walls": [{"name": "lid", "material": "steel", "shape": {"type": "box", "size": [1, 1, 1]}}],)"),
-     "sph.walls[0]: unknown key 'material' (the keys are name, body, position, orientation, relative_to, "
+     "sph.walls[0]: unknown key 'material' (known keys: body, name, orientation, position, relative_to, "
      "shape)"},
 };
 

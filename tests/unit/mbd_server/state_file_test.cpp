@@ -151,9 +151,8 @@ TEST_F(StateFile, RefusesDamagedValues) {
   totals.largest_reaction_joint = 1e6;
   write_state(path_, run.model, run.state, totals);
   EXPECT_EQ(refusal(run.model),
-            "resource: its value 'totals/largest_reaction_joint' is damaged: 1e+06 is no number of a joint "
-            "or loop of "
-            "the scene");
+            "resource: its value 'totals/largest_reaction_joint' is damaged: 1e+06 is no number of a joint, "
+            "loop or shape of the scene");
 }
 
 TEST_F(StateFile, RefusesWhatIsNoState) {
