@@ -11,14 +11,14 @@
 namespace tandem::mbd {
 namespace {
 
-constexpr double point_stiffness = 1e6, box_mass = 1, gravity = 9.81;
+constexpr double point_stiffness = 1e6, box_mass = 1, acceleration_of_gravity = 9.81;
 const Vector3d half_box(0.1, 0.05, 0.03);
 using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 // A box that particles touch stands on a plane, both turned by R.
 scene::Scene box_on_plane(const Quaterniond& R) {
-  scene::Scene scene = machines::empty(to_vec3(R * Vector3d(0, 0, -gravity)));
-  const double depth = box_mass * gravity / (4 * point_stiffness);
+  scene::Scene scene = machines::empty(to_vec3(R * Vector3d(0, 0, -acceleration_of_gravity)));
+  const double depth = box_mass * acceleration_of_gravity / (4 * point_stiffness);
   const BodyId box = machines::add_body(scene, "box", box_mass, {1e-3, 1e-3, 1e-3},
                                         to_vec3(R * Vector3d(0, 0, half_box.z() - depth)));
   scene.mbd->bodies[0].pose.q_WB = {R.w(), R.x(), R.y(), R.z()};
