@@ -579,11 +579,14 @@ std::string Summary::table() const {
   if (number("micro_steps") > 0) course += fmt::format(" and {} micro steps", text_of(json_["micro_steps"]));
   row("simulated", course);
   const Json& split = json_["time_split"];
-  row("wall time",
-      fmt::format("{:.3g} s: dem {:.3g}, mbd {:.3g},{} exchange {:.3g}, output {:.3g}", number("wall_s"),
-                  split["dem"].get<double>(), split["mbd"].get<double>(),
-                  split.contains("sph") ? fmt::format(" sph {:.3g},", split["sph"].get<double>()) : "",
-                  split["exchange"].get<double>(), split["output"].get<double>()));
+  // A program that does not take part is left out.
+  std::string parts;
+  for (const char* part : {"dem", "mbd", "sph", "exchange", "output"}) {
+    const auto program = json_.find(std::string(part) + "_server");
+    if (split.contains(part) && (program == json_.end() || program->is_object()))
+      parts += fmt::format("{} {} {:.3g}", parts.empty() ? ":" : ",", part, split[part].get<double>());
+  }
+  row("wall time", fmt::format("{:.3g} s{}", number("wall_s"), parts));
   number_row("per micro step", "us_per_micro_step", " us");
   number_row("sphere-steps", "sphere_steps_per_s", " /s");
   number_row("impulse closure", "impulse_closure", "");
