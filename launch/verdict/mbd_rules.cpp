@@ -48,7 +48,8 @@ void add_mbd_rules(std::vector<Rule>& table) {
       {"harmonic_step", "mbd_periods_per_step", 0.1,
        "a step must be a small part of the period of a harmonic force or motion; at a tenth the error is "
        "some percent of its effect",
-       "a shorter step", nullptr, [](const RunFigures& run) { return of_run(run.facts.mbd.periods_per_step); },
+       "a shorter step", nullptr,
+       [](const RunFigures& run) { return of_run(run.facts.mbd.periods_per_step); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const double step = run.scene.mbd && run.scene.mbd->integrator.step ? *run.scene.mbd->integrator.step
                                                                              : run.scene.coupling.window;
