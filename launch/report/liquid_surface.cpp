@@ -48,8 +48,8 @@ Frame with_liquid_surface(Frame frame, const fs::path& folder) {
   // Debian's Python, for which the package list installs scikit-image.
   if (!run_tool({.program = "/usr/bin/python3",
                  .package = "python3 python3-skimage",
-                 .arguments = {(data_folder() / "liquid_surface.py").string(), particles.path.filename().string(),
-                               surface.path.filename().string()},
+                 .arguments = {(data_folder() / "liquid_surface.py").string(),
+                               particles.path.filename().string(), surface.path.filename().string()},
                  .folder = folder,
                  .log = fs::absolute(folder / "liquid_surface.log"),
                  .patience = std::chrono::seconds(300)})) {
@@ -61,7 +61,8 @@ Frame with_liquid_surface(Frame frame, const fs::path& folder) {
   found.mesh.vertices = vectors(file.read_doubles("/vertices"));
   found.normals = vectors(file.read_doubles("/normals"));
   found.value = file.read_doubles("/value");
-  const std::vector<std::uint32_t> corners = file.read_indices("/triangles"), drops = file.read_indices("/drops");
+  const std::vector<std::uint32_t> corners = file.read_indices("/triangles"),
+                                   drops = file.read_indices("/drops");
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
     found.mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
   std::size_t kept = first;

@@ -58,8 +58,10 @@ TEST(LiquidSurface, EnclosesTheParticlesAndLeavesDrops) {
     }
     wrong_value = std::max(wrong_value, std::abs(surface.value[i] - p.x));
   }
-  std::printf("volume %.3e m3 (of the particles %.3e), top face %.2g spacings off, normal %.2g, value %.2g spacings\n",
-              volume, side * side * side, highest / spacing, wrong_normal, wrong_value / spacing);
+  std::printf(
+      "volume %.3e m3 (of the particles %.3e), top face %.2g spacings off, normal %.2g, value %.2g "
+      "spacings\n",
+      volume, side * side * side, highest / spacing, wrong_normal, wrong_value / spacing);
   EXPECT_NEAR(volume, side * side * side, 0.15 * side * side * side);
   EXPECT_LT(highest, 0.25 * spacing);
   EXPECT_LT(wrong_normal, 0.1);
