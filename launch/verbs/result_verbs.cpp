@@ -9,6 +9,7 @@
 #include "launch/verbs/verbs.hpp"
 
 namespace tandem::launch {
+
 void add_movie(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("movie", "Make a film of the frames of a run");
   auto folder = std::make_shared<std::string>(), scene = std::make_shared<std::string>(),
