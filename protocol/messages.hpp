@@ -47,7 +47,7 @@ enum Capability : std::uint64_t {
   can_control = 1u << 6,      // mbd: answers control; since 1.2
   can_checkpoint = 1u << 7,   // answers checkpoint and resume; since 1.3
   can_observe_elements = 1u << 8,   // mbd: its bodies frames have the elements; since 1.4
-  can_measure = 1u << 9,            // dem: its loads have the values of the sensors; since 1.4
+  can_measure = 1u << 9,            // dem, sph: its loads have the values of its sensors; since 1.4
   can_observe_contacts = 1u << 10,  // dem: its particles frames have the contacts of spheres; since 1.4
   can_observe_walls = 1u << 11,     // dem: its particles frames have the fields of walls; since 1.4
   can_snapshot = 1u << 12,          // dem: keeps a particles frame for later; since 1.4
@@ -135,8 +135,8 @@ struct LoadSet {
   Window window;
   ParticleAccount account;
   std::vector<BodyLoad> bodies;
-  // Values of scene::sensor_columns() at the end of the window; empty, and then not on the wire, without
-  // can_measure and where the scene has no sensors.
+  // Values of the columns of scene::sensor_columns() that are of the sender's part of the scene, at the end
+  // of the window; empty, and then not on the wire, without can_measure and where that part has no sensors.
   std::vector<double> sensors = {};
 };
 
@@ -147,7 +147,7 @@ struct ControlSet {
 };
 
 // Answer to configure. `boundary` has the initial state of the bodies with walls (mbd), and is empty for load
-// solvers. `sensors` are those of LoadSet at the start (dem).
+// solvers. `sensors` are those of LoadSet at the start (dem, sph).
 struct Configured {
   std::vector<BodyMotion> boundary;  // begin == end == state at t = 0, accelerations consistent
   std::string facts;                 // JSON object for summary.json, see facts.hpp

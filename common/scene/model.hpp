@@ -538,17 +538,6 @@ struct Outlet {
   std::variant<Box, HalfSpace> region;  // in the world
 };
 
-// What the particle solver measures: the spheres whose centre is in a region, or what the spheres do to a
-// wall. Columns of sensors.csv.
-struct ParticleSensor {
-  std::string name;
-  BodyId body = ground;  // with which the region moves
-  Pose pose;             // of the shape's frame in the body's frame (ground: in the world)
-  std::variant<BoxShape, CylinderShape> shape;
-  std::optional<std::size_t> flow_axis;  // of the shape's frame: the direction of flow and passed
-  std::string wall = {};                 // name of the wall; empty: a region, which all else is of
-};
-
 // The spheres come to rest before the start, with all walls at rest.
 struct Settle {
   double kinetic_energy = 0;  // the end: mean of the spheres below it [J]

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <variant>
@@ -100,6 +101,17 @@ struct Wall {
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
   std::string path{};                               // in the file, for messages; empty: its place in the list
   std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
+};
+
+// What the particle solver measures: the spheres whose centre is in a region, or what the spheres do to a
+// wall. Columns of sensors.csv.
+struct ParticleSensor {
+  std::string name;
+  BodyId body = ground;  // with which the region moves
+  Pose pose;             // of the shape's frame in the body's frame (ground: in the world)
+  std::variant<BoxShape, CylinderShape> shape;
+  std::optional<std::size_t> flow_axis;  // of the shape's frame: the direction of flow and passed
+  std::string wall = {};                 // name of the wall; empty: a region, which all else is of
 };
 
 }  // namespace tandem::scene

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "common/scene/model_shapes.hpp"
@@ -13,22 +14,48 @@ namespace tandem::scene {
 // Pressure at the start: that of the weight of the liquid above, or none.
 enum class StartPressure { hydrostatic, zero };
 
+// The inside of a wall up to a level. Exactly one of level and volume is given.
+struct LiquidInside {
+  std::string wall;              // name
+  std::optional<double> level;   // distance above the world's origin, against gravity [m]
+  std::optional<double> volume;  // [m3]
+};
+
 struct Liquid {
   std::string name;
   double density = 0;    // [kg/m3]
   double viscosity = 0;  // dynamic [Pa s]
-  // Speed of sound of the computation [m/s]; absent: ten times the largest of `expected_speed` and of the
-  // speed of a fall through the depth at the start.
+  // Speed of sound of the computation [m/s]; absent: ten times the largest of `expected_speed`, of `velocity`
+  // and of the speed of a fall through the depth at the start.
   std::optional<double> sound_speed;
   double expected_speed = 0;        // largest speed that the run is expected to have [m/s]
   double artificial_viscosity = 0;  // alpha of Monaghan's artificial viscosity [-]
-  // At the start: boxes along the world's axes whose edges are whole numbers of spacings.
-  std::vector<Box> fill;
+  double shifting = 0;              // of particles that a flow moves apart [-]
+  // At the start: boxes along the world's axes whose edges are whole numbers of spacings, and insides of
+  // walls.
+  std::vector<std::variant<Box, LiquidInside>> fill;
   Vec3d velocity;  // at the start [m/s]
   StartPressure pressure = StartPressure::hydrostatic;
 };
 
 enum class WallFriction { no_slip, free_slip };
+// Of a liquid and the walls of a body, in place of Sph::wall_friction.
+struct LiquidPair {
+  std::string liquid;
+  BodyId body = ground;
+  WallFriction wall_friction = WallFriction::no_slip;
+};
+
+// What the solver of the liquid measures. Columns of sensors.csv. Of a load `wall` is the wall that it acts
+// on, or all walls of the body, and the position of the pose is the point that its torques are about.
+struct LiquidSensor : ParticleSensor {
+  enum class Kind { region, load, level, pressure };
+  Kind kind = Kind::region;
+  // Unit vector in the frame of the body: of a load the axis about which its torque is given, of a level the
+  // line along which it is measured; absent: no such torque, and a line against gravity.
+  std::optional<Vec3d> axis = {};
+};
+
 // "mixed": arithmetic of pairs in single precision; "double": all in double precision
 enum class LiquidPrecision { mixed, full };
 
@@ -42,7 +69,9 @@ struct Sph {
   std::optional<double> micro_step;  // longest step [s]; absent: that of the rule (docs/liquid.md)
   std::vector<Wall> walls;           // without materials
   Box domain;                        // a particle that leaves it ends the run
-  std::array<bool, 3> periodic{};    // along x, y, z: particles enter again through the opposite face instead
+  std::vector<LiquidPair> pairs;     // each body at most once
+  std::vector<LiquidSensor> sensors;
+  std::array<bool, 3> periodic{};  // along x, y, z: particles enter again through the opposite face instead
 };
 
 }  // namespace tandem::scene

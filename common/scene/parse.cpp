@@ -120,11 +120,9 @@ Scene parse(const std::string& text, const std::string& origin) {
   root.read("end_time", scene.end_time);
   if (root.has("coupling")) scene.coupling = parse_coupling(root.at("coupling"));
   if (root.has("mbd")) scene.mbd = parse_mbd(root.at("mbd"), scene.format);
-  if (root.has("dem")) {
-    const auto bodies = scene.mbd ? root.at("mbd").names("bodies") : Names{};
-    scene.dem = parse_dem(root.at("dem"), bodies);
-  }
-  if (root.has("sph")) scene.sph = parse_sph(root.at("sph"));
+  const auto bodies = scene.mbd ? root.at("mbd").names("bodies") : Names{};
+  if (root.has("dem")) scene.dem = parse_dem(root.at("dem"), bodies);
+  if (root.has("sph")) scene.sph = parse_sph(root.at("sph"), bodies);
   parse_shapes(root, scene);
   scene.is_plain =
       was_plain && std::none_of(scene.shapes.begin(), scene.shapes.end(), [&](const Shape& shape) {

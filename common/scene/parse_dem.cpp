@@ -56,6 +56,13 @@ ParticleSensor parse_sensor(const Node& node, const Names& bodies) {
                   "leave it out");
     return sensor;
   }
+  parse_region(node, bodies, sensor);
+  return sensor;
+}
+
+}  // namespace
+
+void parse_region(const Node& node, const Names& bodies, ParticleSensor& sensor) {
   sensor.body = read_body(node, "body", bodies);
   node.read("position", sensor.pose.p_WB);
   node.read("orientation", sensor.pose.q_WB);
@@ -72,10 +79,7 @@ ParticleSensor parse_sensor(const Node& node, const Names& bodies) {
   }
   if (node.has("flow"))
     sensor.flow_axis = static_cast<std::size_t>(node.value().at("flow").get<std::string>()[0] - 'x');
-  return sensor;
 }
-
-}  // namespace
 
 Dem parse_dem(const Node& node, const Names& bodies) {
   Dem dem;

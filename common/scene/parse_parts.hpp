@@ -12,8 +12,11 @@ Mbd parse_mbd(const Node& node, const std::string& format);
 // Without the walls. `bodies`: names of the bodies that the domain and sensors can follow.
 Dem parse_dem(const Node& node, const Names& bodies);
 
-// Without the walls.
-Sph parse_sph(const Node& node);
+// Without the walls. `bodies`: names of the bodies.
+Sph parse_sph(const Node& node, const Names& bodies);
+
+// Reads body, pose, shape and axis of flow of the sensor of a region.
+void parse_region(const Node& node, const Names& bodies, ParticleSensor& sensor);
 
 // A group of dem.particles.
 ParticleGroup parse_group(const Node& node, const Names& materials);

@@ -17,24 +17,71 @@ Liquid parse_liquid(const Node& node) {
               "leave one of them out");
   node.read("velocity", liquid.velocity);
   if (node.has("pressure") && node.value().at("pressure") == "zero") liquid.pressure = StartPressure::zero;
+  node.read("shifting", liquid.shifting);
   for (const Node& from : node.elements("fill")) {
-    Box& box = liquid.fill.emplace_back();
-    from.read("min", box.min);
-    from.read("max", box.max);
+    if (from.type() == "box") {
+      Box box;
+      from.read("min", box.min);
+      from.read("max", box.max);
+      liquid.fill.emplace_back(box);
+      continue;
+    }
+    LiquidInside inside;
+    from.read("wall", inside.wall);
+    from.read("level", inside.level);
+    from.read("volume", inside.volume);
+    if (inside.level.has_value() == inside.volume.has_value())
+      from.fail(
+          std::string("the fill has ") + (inside.level ? "a level and a volume" : "neither level nor volume"),
+          "give one of them");
+    liquid.fill.emplace_back(inside);
   }
   return liquid;
 }
 
+WallFriction wall_friction(const Node& node) {
+  return node.has("wall_friction") && node.value().at("wall_friction") == "free_slip"
+             ? WallFriction::free_slip
+             : WallFriction::no_slip;
+}
+
+LiquidSensor parse_sensor(const Node& node, const Names& bodies) {
+  LiquidSensor sensor;
+  node.read("name", sensor.name);
+  const std::string type = node.type();
+  if (type == "region") {
+    parse_region(node, bodies, sensor);
+    return sensor;
+  }
+  sensor.kind = type == "load"    ? LiquidSensor::Kind::load
+                : type == "level" ? LiquidSensor::Kind::level
+                                  : LiquidSensor::Kind::pressure;
+  node.read("wall", sensor.wall);
+  if (!sensor.wall.empty() && node.has("body"))
+    node.fail("body", "the sensor has a wall, and the body follows from it", "leave one of them out");
+  sensor.body = read_body(node, "body", bodies);
+  node.read("position", sensor.pose.p_WB);
+  if (node.has("axis")) node.read_unit("axis", sensor.axis.emplace());
+  return sensor;
+}
+
 }  // namespace
 
-Sph parse_sph(const Node& node) {
+Sph parse_sph(const Node& node, const Names& bodies) {
   Sph sph;
   read_server(node, sph);
   node.read("spacing", sph.spacing);
-  node.names("liquids");
   for (const Node& liquid : node.elements("liquids")) sph.liquids.push_back(parse_liquid(liquid));
-  if (node.has("wall_friction") && node.value().at("wall_friction") == "free_slip")
-    sph.wall_friction = WallFriction::free_slip;
+  sph.wall_friction = wall_friction(node);
+  const Names liquids = node.names("liquids");
+  for (const Node& pair : node.elements("pairs")) {
+    LiquidPair& read = sph.pairs.emplace_back();
+    read.liquid = sph.liquids[pair.resolve("liquid", liquids, "liquids")].name;
+    read.body = read_body(pair, "body", bodies);
+    read.wall_friction = wall_friction(pair);
+  }
+  node.names("sensors");
+  for (const Node& sensor : node.elements("sensors")) sph.sensors.push_back(parse_sensor(sensor, bodies));
   if (node.has("precision") && node.value().at("precision") == "double")
     sph.precision = LiquidPrecision::full;
   node.read("micro_step", sph.micro_step);

@@ -54,7 +54,8 @@ class PlainForm {
         function(wall["surface_velocity"]["speed"], path + ".surface_velocity.speed",
                  "the speed of a surface is no angle");
     });
-    each("sph", "walls", [&](json& wall, const std::string& path) { orientation(wall, path); });
+    for (const char* list : {"walls", "sensors"})
+      each("sph", list, [&](json& object, const std::string& path) { orientation(object, path); });
     each("dem", "sensors", [&](json& sensor, const std::string& path) { orientation(sensor, path); });
     if (document_.contains("mbd") && document_["mbd"].contains("contact"))
       if (json& contact = document_["mbd"]["contact"]; contact.contains("ground"))
@@ -187,7 +188,8 @@ class PlainForm {
     for (const char* list : {"joints", "walls", "sensors"})
       each(list[0] == 'j' ? "mbd" : "dem", list,
            [&](json& object, const std::string&) { any_ |= object.contains("relative_to"); });
-    each("sph", "walls", [&](json& wall, const std::string&) { any_ |= wall.contains("relative_to"); });
+    for (const char* list : {"walls", "sensors"})
+      each("sph", list, [&](json& object, const std::string&) { any_ |= object.contains("relative_to"); });
     each("mbd", "forces", [&](json& force, const std::string&) { any_ |= force.contains("local"); });
     if (!any_) return;
     changed_ = true;
@@ -205,8 +207,8 @@ class PlainForm {
     const auto place_of_particles = [&](json& shape, const std::string& path) {
       place_shape(shape, path, shape.contains("body") ? shape["body"].get<std::string>() : "ground");
     };
-    for (const char* list : {"walls", "sensors"}) each("dem", list, place_of_particles);
-    each("sph", "walls", place_of_particles);
+    for (const char* part : {"dem", "sph"})
+      for (const char* list : {"walls", "sensors"}) each(part, list, place_of_particles);
   }
 
   static std::string body_path(std::uint32_t body) { return element("mbd.bodies", body); }

@@ -85,10 +85,13 @@ std::string plain_text(const std::string& text, const Scene& scene, const std::s
   }
   if (!of_grains.empty()) document["dem"]["walls"] = std::move(of_grains);
   if (!of_liquid.empty()) document["sph"]["walls"] = std::move(of_liquid);
+  const auto move_sensor = [&](const ParticleSensor& sensor, json& entry) {
+    if (sensor.body != ground && shaped[sensor.body.value]) entry["position"] = numbers(sensor.pose.p_WB);
+  };
   for (std::size_t i = 0; scene.dem && i < scene.dem->sensors.size(); ++i)
-    if (const ParticleSensor& sensor = scene.dem->sensors[i];
-        sensor.body != ground && shaped[sensor.body.value])
-      document["dem"]["sensors"][i]["position"] = numbers(sensor.pose.p_WB);
+    move_sensor(scene.dem->sensors[i], document["dem"]["sensors"][i]);
+  for (std::size_t i = 0; scene.sph && i < scene.sph->sensors.size(); ++i)
+    move_sensor(scene.sph->sensors[i], document["sph"]["sensors"][i]);
   for (std::size_t i = 0; i < scene.shapes.size(); ++i)
     if (const Shape& shape = scene.shapes[i]; shape.use == ShapeUse::contact)
       document["mbd"]["bodies"][shape.body.value]["shapes"].push_back(contact_entry(shape, sources.at(i)));

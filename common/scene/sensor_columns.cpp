@@ -24,24 +24,51 @@ const char* unit(SensorChannel channel) {
   return sensor_channels[static_cast<std::size_t>(channel)].unit;
 }
 
+namespace {
+
+void append(SensorChannel first, SensorChannel last, std::vector<SensorChannel>& to) {
+  for (auto c = static_cast<std::size_t>(first); c <= static_cast<std::size_t>(last); ++c)
+    to.push_back(static_cast<SensorChannel>(c));
+}
+
+}  // namespace
+
 std::vector<SensorChannel> channels_of(const ParticleSensor& sensor) {
   std::vector<SensorChannel> channels;
-  const bool of_wall = !sensor.wall.empty();
-  const auto begin = of_wall ? SensorChannel::wall_force_x : SensorChannel::count;
-  const auto end = of_wall            ? SensorChannel::channels
-                   : sensor.flow_axis ? SensorChannel::wall_force_x
-                                      : SensorChannel::flow;
-  for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
-    channels.push_back(static_cast<SensorChannel>(c));
+  if (!sensor.wall.empty())
+    append(SensorChannel::wall_force_x, SensorChannel::wall_friction_power, channels);
+  else
+    append(SensorChannel::count, sensor.flow_axis ? SensorChannel::passed : SensorChannel::kinetic_energy,
+           channels);
+  return channels;
+}
+
+std::vector<SensorChannel> channels_of(const LiquidSensor& sensor) {
+  std::vector<SensorChannel> channels;
+  switch (sensor.kind) {
+    case LiquidSensor::Kind::region:
+      channels = channels_of(static_cast<const ParticleSensor&>(sensor));
+      std::erase(channels, SensorChannel::solid_fraction);
+      break;
+    case LiquidSensor::Kind::load:
+      append(SensorChannel::wall_force_x, SensorChannel::wall_force_z, channels);
+      append(SensorChannel::torque_x, sensor.axis ? SensorChannel::axis_torque : SensorChannel::torque_z,
+             channels);
+      break;
+    case LiquidSensor::Kind::level:
+      channels = {SensorChannel::level};
+      break;
+    case LiquidSensor::Kind::pressure:
+      channels = {SensorChannel::pressure};
+  }
   return channels;
 }
 
 std::vector<std::string> sensor_columns(const Scene& scene) {
   std::vector<std::string> columns;
-  if (!scene.dem) return columns;
-  for (const ParticleSensor& sensor : scene.dem->sensors)
-    for (const SensorChannel channel : channels_of(sensor))
-      columns.push_back(sensor.name + "." + name(channel));
+  each_sensor(scene, [&](const std::string& sensor, const std::vector<SensorChannel>& channels) {
+    for (const SensorChannel channel : channels) columns.push_back(sensor + "." + name(channel));
+  });
   return columns;
 }
 

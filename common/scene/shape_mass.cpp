@@ -199,8 +199,10 @@ std::vector<ShapedBody> take_mass_from_shapes(Scene& scene, const std::vector<Tr
     if (body != ground) shift(pose, centres[body.value]);
   };
   for (Shape& shape : scene.shapes) shift_by_body(shape.body, shape.pose);
-  if (scene.sph)
+  if (scene.sph) {
     for (Wall& wall : scene.sph->walls) shift_by_body(wall.body, wall.pose);
+    for (LiquidSensor& sensor : scene.sph->sensors) shift_by_body(sensor.body, sensor.pose);
+  }
   if (scene.dem) {
     for (Wall& wall : scene.dem->walls) shift_by_body(wall.body, wall.pose);
     for (ParticleSensor& sensor : scene.dem->sensors) shift_by_body(sensor.body, sensor.pose);

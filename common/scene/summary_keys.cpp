@@ -62,8 +62,8 @@ const Runs belts{has_belts, "scenes with walls that have a surface_velocity"};
 const Runs elements{[](const Scene& scene) { return !elements_of(scene).empty(); },
                     "scenes with forces, couplers or driven joints"};
 const Runs contact{[](const Scene& scene) { return scene.contact.has_value(); }, "scenes with mbd.contact"};
-const Runs sensors{[](const Scene& scene) { return scene.dem && !scene.dem->sensors.empty(); },
-                   "scenes with dem.sensors"};
+const Runs sensors{[](const Scene& scene) { return !sensor_columns(scene).empty(); },
+                   "scenes with dem.sensors or sph.sensors"};
 const Runs dissipation{[](const Scene& scene) { return scene.output.dissipation; },
                        "scenes with output.dissipation"};
 const Runs adaptive{[](const Scene& scene) { return scene.coupling.adaptive.has_value(); },

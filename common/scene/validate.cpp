@@ -258,6 +258,7 @@ void validate(const Scene& scene, const std::string& origin) {
   validate_shapes(scene, origin);
   if (scene.dem && scene.dem->follows) validate_moving_domain(scene, origin);
   if (scene.dem) validate_particle_sensors(scene, origin);
+  if (scene.sph) validate_liquid_sensors(scene, origin);
   if (scene.mbd)
     for (std::size_t i = 0; i < scene.mbd->sensors.size(); ++i)
       validate_column(scene.mbd->sensors[i], scene, origin, element("mbd.sensors", i));

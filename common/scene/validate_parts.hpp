@@ -53,8 +53,13 @@ void validate_fills(const Scene& scene, const std::string& origin);
 // The requirements of a domain that follows a body.
 void validate_moving_domain(const Scene& scene, const std::string& origin);
 
-// Sensors of the particles.
+// The wall of this name. Refuses one that is not there, at `path`.
+const Wall& require_wall(const std::string& name, const std::vector<Wall>& walls, const std::string& origin,
+                         const std::string& path);
+
+// Sensors of the particles, and of the liquid.
 void validate_particle_sensors(const Scene& scene, const std::string& origin);
+void validate_liquid_sensors(const Scene& scene, const std::string& origin);
 void validate_body_contacts(const Scene& scene, const std::string& origin);
 void validate_dissipation(const Scene& scene, const std::string& origin);
 void validate_wall_fields(const Scene& scene, const std::string& origin);

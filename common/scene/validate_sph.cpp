@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "common/scene/validate_parts.hpp"
@@ -10,6 +11,18 @@ namespace {
 constexpr double edge_tolerance = 1e-6;
 // Particles have indices of 26 bits in the lists of neighbours.
 constexpr double most_particles = (1 << 26) - 1;
+// Liquid hydrogen has 71 kg/m3, liquid osmium 20,100 kg/m3.
+constexpr double least_density = 50, largest_density = 25000;
+
+void validate_density(double density, const std::string& origin, const std::string& path) {
+  if (density >= least_density && density <= largest_density) return;
+  const double from_grams = 1000 * density;  // of a value in g/cm3
+  const bool grams = from_grams >= least_density && from_grams <= largest_density;
+  fail(origin, path + ".density",
+       "no liquid has a density of " + text(density) + " kg/m3; they are from " + text(least_density) +
+           " to " + text(largest_density) + " kg/m3",
+       grams ? "1 g/cm3 is 1000 kg/m3: give " + rounded(from_grams) : "water has 1000 kg/m3");
+}
 
 void validate_fill_of(const Box& box, const Sph& sph, const std::string& origin, const std::string& path) {
   require_box(box.min, box.max, origin, path);
@@ -44,6 +57,18 @@ bool overlap(const Box& a, const Box& b, double spacing) {
   return true;
 }
 
+void validate_inside(const LiquidInside& fill, const Scene& scene, const std::string& origin,
+                     const std::string& path) {
+  const Wall& wall = require_wall(fill.wall, scene.sph->walls, origin, path + ".wall");
+  if (std::holds_alternative<PlaneShape>(wall.shape))
+    fail(origin, path + ".wall", "'" + fill.wall + "' is a plane, which has no inside",
+         "name a wall that ends on all sides, or fill a box");
+  if (norm(scene.gravity) == 0) fail(origin, path, "no level follows: there is no gravity", "fill a box");
+  if (scene.sph->liquids.front().pressure == StartPressure::zero)
+    fail(origin, path, "the liquid inside a wall is at rest under its own weight, and 'pressure' is zero",
+         "leave out pressure, or fill a box");
+}
+
 double particles_in(const Box& box, double spacing) {
   double count = 1;
   for (int axis = 0; axis < 3; ++axis) count *= std::round((box.max[axis] - box.min[axis]) / spacing);
@@ -66,18 +91,34 @@ void validate_sph(const Scene& scene, const std::string& origin) {
          "a window holds whole steps");
   const Liquid& liquid = sph.liquids.front();
   const std::string path = element("sph.liquids", 0);
+  validate_density(liquid.density, origin, path);
   if (!liquid.sound_speed && liquid.expected_speed == 0 && norm(scene.gravity) == 0)
     fail(origin, path, "no speed of sound follows: there is no gravity, and no speed is expected",
          "give expected_speed, the largest speed that the run will have [m/s], or sound_speed");
   double count = 0;
   for (std::size_t i = 0; i < liquid.fill.size(); ++i) {
-    const std::string of_box = element(path + ".fill", i);
-    validate_fill_of(liquid.fill[i], sph, origin, of_box);
+    const std::string of_fill = element(path + ".fill", i);
+    const Box* box = std::get_if<Box>(&liquid.fill[i]);
+    if (!box) {
+      validate_inside(std::get<LiquidInside>(liquid.fill[i]), scene, origin, of_fill);
+      continue;
+    }
+    validate_fill_of(*box, sph, origin, of_fill);
     for (std::size_t k = 0; k < i; ++k)
-      if (overlap(liquid.fill[i], liquid.fill[k], sph.spacing))
-        fail(origin, of_box, "the box overlaps " + element(path + ".fill", k),
+      if (const Box* other = std::get_if<Box>(&liquid.fill[k]); other && overlap(*box, *other, sph.spacing))
+        fail(origin, of_fill, "the box overlaps " + element(path + ".fill", k),
              "the liquid would be there twice: let the boxes touch");
-    count += particles_in(liquid.fill[i], sph.spacing);
+    count += particles_in(*box, sph.spacing);
+  }
+  for (std::size_t i = 0; i < sph.pairs.size(); ++i) {
+    const BodyId body = sph.pairs[i].body;
+    const std::string of_pair = element("sph.pairs", i);
+    if (std::ranges::none_of(sph.walls, [&](const Wall& wall) { return wall.body == body; }))
+      fail(origin, of_pair + ".body", "there is no wall of the liquid on '" + scene.body_name(body) + "'",
+           "name a body that has one");
+    for (std::size_t k = 0; k < i; ++k)
+      if (sph.pairs[k].body == body)
+        fail(origin, of_pair, "is the same pair as " + element("sph.pairs", k), "leave one of them out");
   }
   if (count > most_particles)
     fail(origin, "sph.spacing",

@@ -210,71 +210,14 @@ void validate_moving_domain(const Scene& scene, const std::string& origin) {
   }
 }
 
-namespace {
-
-// Whether a column of a body, a joint or an element begins with this name.
-bool names_something_else(const std::string& name, const Scene& scene) {
-  // `time` begins each row, and `summary` the names of the numbers of the summary.
-  if (name == scene.body_name(ground) || name == "time" || name == "summary") return true;
-  if (!scene.mbd) return false;
-  const auto is_it = [&](const auto& named) { return named.name == name; };
-  return std::ranges::any_of(scene.mbd->bodies, is_it) || std::ranges::any_of(scene.mbd->joints, is_it) ||
-         std::ranges::any_of(elements_of(scene), is_it);
-}
-
-const Wall& require_wall(const std::string& name, const Dem& dem, const std::string& origin,
+const Wall& require_wall(const std::string& name, const std::vector<Wall>& walls, const std::string& origin,
                          const std::string& path) {
-  const auto found = std::ranges::find(dem.walls, name, &Wall::name);
-  if (found != dem.walls.end()) return *found;
+  const auto found = std::ranges::find(walls, name, &Wall::name);
+  if (found != walls.end()) return *found;
   std::vector<std::string> names;
-  for (const Wall& wall : dem.walls) names.push_back(wall.name);
+  for (const Wall& wall : walls) names.push_back(wall.name);
   fail(origin, path, "there is no wall '" + shortened(name) + "'",
        names.empty() ? "the scene has no walls" : suggest_name(name, names, "walls"));
-}
-
-double bounding_radius(const ParticleSensor& sensor) {
-  if (const auto* box = std::get_if<BoxShape>(&sensor.shape)) return 0.5 * norm(box->size);
-  const auto& cylinder = std::get<CylinderShape>(sensor.shape);
-  return std::hypot(cylinder.radius, 0.5 * *cylinder.height);
-}
-
-}  // namespace
-
-void validate_particle_sensors(const Scene& scene, const std::string& origin) {
-  const Dem& dem = *scene.dem;
-  for (std::size_t i = 0; i < dem.sensors.size(); ++i) {
-    const ParticleSensor& sensor = dem.sensors[i];
-    const std::string path = element("dem.sensors", i);
-    if (names_something_else(sensor.name, scene))
-      fail(origin, path + ".name",
-           "a body, joint, element or part of the results is called '" + sensor.name +
-               "' as well, so that columns would be mixed up",
-           "give the sensor another name, such as '" + sensor.name +
-               (sensor.wall.empty() ? "_content'" : "_load'"));
-    if (!sensor.wall.empty()) {
-      require_wall(sensor.wall, dem, origin, path + ".wall");
-      continue;
-    }
-    require_unit(sensor.pose.q_WB, origin, path + ".orientation");
-    if (std::holds_alternative<CylinderShape>(sensor.shape) && sensor.flow_axis && *sensor.flow_axis != 2)
-      fail(origin, path + ".flow", "a cylinder has different lengths along x and y, so that no flow follows",
-           "measure along its axis, z, or give a box");
-    if (sensor.body != ground &&
-        std::ranges::none_of(dem.walls, [&](const Wall& wall) { return wall.body == sensor.body; }))
-      fail(origin, path + ".body", "the body '" + scene.body_name(sensor.body) + "' carries no wall",
-           "the particles know where bodies with walls are: name one of those");
-    if (sensor.body != ground || dem.follows) continue;
-    double distance2 = 0;  // of the domain from the middle of the region
-    for (int a = 0; a < 3; ++a) {
-      const double x = sensor.pose.p_WB[a],
-                   beyond = std::max({dem.domain.min[a] - x, x - dem.domain.max[a], 0.0});
-      distance2 += beyond * beyond;
-    }
-    if (std::sqrt(distance2) > bounding_radius(sensor))
-      fail(origin, path + ".position",
-           "the region at " + text(sensor.pose.p_WB) + " lies outside dem.domain, where no sphere is",
-           "move it into the domain");
-  }
 }
 
 void validate_dissipation(const Scene& scene, const std::string& origin) {
@@ -322,7 +265,7 @@ void validate_wall_fields(const Scene& scene, const std::string& origin) {
   const Dem& dem = *scene.dem;
   for (std::size_t i = 0; i < scene.output.wall_fields.size(); ++i) {
     const std::string path = element("output.wall_fields", i);
-    const Wall& wall = require_wall(scene.output.wall_fields[i], dem, origin, path);
+    const Wall& wall = require_wall(scene.output.wall_fields[i], dem.walls, origin, path);
     const auto* cylinder = std::get_if<CylinderShape>(&wall.shape);
     if (cylinder ? !cylinder->segments
                  : std::holds_alternative<PlaneShape>(wall.shape) ||

@@ -10,13 +10,13 @@ namespace {
 using protocol::LoadSet;
 using protocol::ParticlesFrame;
 
+// The box that the scenes of these checks fill.
+const scene::Box& box_of(const scene::Liquid& liquid) {
+  return std::get<scene::Box>(liquid.fill.front());
+}
 double volume_of(const scene::Liquid& liquid) {
-  double volume = 0;
-  for (const scene::Box& box : liquid.fill) {
-    const Vec3d edges = box.max - box.min;
-    volume += edges.x * edges.y * edges.z;
-  }
-  return volume;
+  const Vec3d edges = box_of(liquid).max - box_of(liquid).min;
+  return edges.x * edges.y * edges.z;
 }
 const scene::Liquid& liquid_of(const Examination& e) {
   return e.scene().sph.value().liquids.front();
@@ -80,13 +80,13 @@ void liquid_frame(Examination& e) {
     inside += in_domain ? 1 : 0;
     density += static_cast<double>(frame.liquid[stride * i + 1]) / static_cast<double>(frame.id.size());
     // The layer of particles on the floor.
-    if (frame.position[3 * i + 2] > liquid_of(e).fill.front().min.z + spacing) continue;
+    if (frame.position[3 * i + 2] > box_of(liquid_of(e)).min.z + spacing) continue;
     lowest += static_cast<double>(frame.liquid[stride * i]);
     ++number;
   }
   e.compare("particles inside the domain", inside, static_cast<double>(frame.id.size()), 0, "");
   e.compare("mean density", density, liquid_of(e).density, 0.02 * liquid_of(e).density, "kg/m3");
-  const scene::Box& box = liquid_of(e).fill.front();
+  const scene::Box& box = box_of(liquid_of(e));
   const double depth = box.max.z - box.min.z - 0.5 * spacing,
                pressure = liquid_of(e).density * norm(e.scene().gravity) * depth;
   e.compare("mean pressure of the lowest layer", lowest / std::max(1.0, number), pressure, 0.1 * pressure,

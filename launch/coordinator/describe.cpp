@@ -371,21 +371,50 @@ std::string liquid_facts(const DryRun& started) {
   if (facts.sound_speed) parts.push_back(fmt::format("speed of sound {:.6g} m/s", *facts.sound_speed));
   if (facts.longest_step) parts.push_back(fmt::format("step {:.6g} s", *facts.longest_step));
   if (facts.steps_per_window) parts.push_back(fmt::format("{} in a window", *facts.steps_per_window));
+  if (facts.predicted_memory) parts.push_back(fmt::format("{:.3g} MB", *facts.predicted_memory));
   if (parts.empty()) return "particles and step are not reported by " + started.sph_program;
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string fill_of_liquid(const std::variant<Box, LiquidInside>& fill) {
+  if (const auto* box = std::get_if<Box>(&fill)) return "box " + text(box->min) + " .. " + text(box->max);
+  const auto& inside = std::get<LiquidInside>(fill);
+  return "inside " + inside.wall +
+         (inside.level ? fmt::format(" up to {:.6g}", *inside.level)
+                       : fmt::format(", {:.6g} m3", *inside.volume));
+}
+
+const char* kind_of(LiquidSensor::Kind kind) {
+  switch (kind) {
+    case LiquidSensor::Kind::region:
+      return "region";
+    case LiquidSensor::Kind::load:
+      return "load";
+    case LiquidSensor::Kind::level:
+      return "level";
+    case LiquidSensor::Kind::pressure:
+      break;
+  }
+  return "pressure";
 }
 
 std::string describe_sph(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   const Sph& sph = *scene.sph;
-  Table liquids("liquid", {"name", "density [kg/m3]", "viscosity [Pa s]", "box [m]"});
+  Table liquids("liquid", {"name", "density [kg/m3]", "viscosity [Pa s]", "fill [m]"});
   for (const Liquid& liquid : sph.liquids)
-    for (const Box& box : liquid.fill)
+    for (const auto& fill : liquid.fill)
       liquids.add({liquid.name, fmt::format("{:.6g}", liquid.density),
-                   fmt::format("{:.6g}", liquid.viscosity), text(box.min) + " .. " + text(box.max)});
+                   fmt::format("{:.6g}", liquid.viscosity), fill_of_liquid(fill)});
+  Table sensors("sensors of the liquid", {"name", "type", "body", "place [m]"});
+  for (const LiquidSensor& sensor : sph.sensors)
+    sensors.add({sensor.name, kind_of(sensor.kind),
+                 sensor.wall.empty() ? scene.body_name(sensor.body) : "wall " + sensor.wall,
+                 text(sensor.pose.p_WB)});
   Table walls("walls of the liquid", {"name", "body", "shape [m]"});
   for (const Wall& wall : sph.walls) walls.add({wall.name, scene.body_name(wall.body), shape(wall)});
-  return liquids.print() + walls.print() + (scene.dem ? "" : describe_meshes(file.mesh_facts)) +
+  return liquids.print() + sensors.print() + walls.print() +
+         (scene.dem ? "" : describe_meshes(file.mesh_facts)) +
          fmt::format("\nspacing: {:.6g} m\n", sph.spacing) +
          (started ? "solver: " + liquid_facts(*started) + "\n" : "");
 }

@@ -46,7 +46,7 @@ DryRun dry_run(const SceneFile& file, const RunOptions& options) {
     });
     Coupler(file.scene, solvers);
   } catch (const Error& error) {
-    const Error with_phase = explained(error, "while the servers started", participants.get());
+    const Error with_phase = explained(error, at_start, participants.get());
     if (participants) participants->fail(with_phase);
     throw with_phase;
   }

@@ -93,6 +93,13 @@ std::vector<Need> needs_of_dem(const scene::Scene& scene) {
   return needs_of_load_solver(scene, needs);
 }
 
+std::vector<Need> needs_of_sph(const scene::Scene& scene) {
+  std::vector<Need> needs;
+  if (!scene.sph->sensors.empty())
+    needs.push_back({protocol::can_measure, "sph.sensors", "leave out sph.sensors"});
+  return needs_of_load_solver(scene, needs);
+}
+
 bool valid(const scene::Scene& scene) {
   try {
     scene::validate(scene, "");
@@ -117,7 +124,7 @@ std::vector<Need> needs_of(Role role, const scene::Scene& scene) {
     case Role::sph:
       break;
   }
-  return needs_of_load_solver(scene, {});
+  return needs_of_sph(scene);
 }
 std::uint64_t needed_of(Role role, const scene::Scene& scene) {
   return bits_of(needs_of(role, scene));
@@ -144,7 +151,7 @@ std::string in_words(protocol::Capability capability) {
     case protocol::can_observe_elements:
       return "results of motors, cylinders and other elements";
     case protocol::can_measure:
-      return "measures of the spheres in a region (sensors)";
+      return "measures of the particles (sensors)";
     case protocol::can_observe_contacts:
       return "the contacts of the spheres in frames";
     case protocol::can_snapshot:

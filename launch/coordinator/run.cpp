@@ -171,7 +171,7 @@ class Run {
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
   protocol::BodiesFrame last_bodies_;              // at the end
 
-  std::string phase_ = "while the servers started";
+  std::string phase_ = at_start;
   Nanoseconds now_, next_frame_, last_frame_;
   struct BegunFrame {
     Nanoseconds time;

@@ -9,7 +9,7 @@
 #include "launch/report/preview.hpp"
 #include "launch/results/body_meshes.hpp"
 #include "launch/run_folder/run_state.hpp"
-#include "sph_server/io/fill.hpp"
+#include "sph_server/coupling/liquid_start.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -36,7 +36,7 @@ Frame start_of(const SceneFile& file) {
   if (!file.scene.sph) return frame;
   const scene::Sph& sph = *file.scene.sph;
   const std::size_t group = file.scene.dem ? file.scene.dem->particles.size() : 0;
-  for (const Vec3d p : sph::sites_of(sph.liquids.front(), sph.spacing, file.scene.gravity).position)
+  for (const Vec3d p : sph::start_of_liquid(file.scene, file.meshes).position)
     add(p, 0.5 * sph.spacing, group);
   return frame;
 }

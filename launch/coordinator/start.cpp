@@ -49,7 +49,10 @@ StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const Ru
 Error explained(const Error& error, const std::string& phase, Participants* participants) {
   if (dynamic_cast<const UnmetNeed*>(&error)) return error;  // its sentence is about scene and solvers
   const bool of_the_peer = error.code() == ErrorCode::peer_lost || error.code() == ErrorCode::timeout;
-  if (!of_the_peer) return Error(error.code(), error.problem() + " " + phase, error.where(), error.hint());
+  if (!of_the_peer)
+    return phase == at_start
+               ? error
+               : Error(error.code(), error.problem() + " " + phase, error.where(), error.hint());
   // The channel may detect the end earlier than the kernel reports it.
   const auto death = participants ? participants->death(300ms) : std::nullopt;
   if (!death) return error;  // the protocol's error names peer, window and the awaited message

@@ -25,8 +25,11 @@ StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const Ru
                          const std::function<void(protocol::Role, const protocol::Hello&)>& take_hello,
                          const std::function<void(protocol::Role, const std::string&)>& take_facts);
 
-// `error` with the phase in which it happened, such as "while the servers started", and with the ending of a
-// server that was started here and died. `participants` may be null.
+inline constexpr const char* at_start = "while the servers started";
+
+// `error` with the phase in which it happened, such as "in window 12 (t = 0.012 s)", and with the ending of a
+// server that was started here and died. What is wrong `at_start` is wrong whenever it is read: only an
+// ending has that phase. `participants` may be null.
 Error explained(const Error& error, const std::string& phase, Participants* participants);
 
 }  // namespace tandem::launch

@@ -363,10 +363,11 @@ void Summary::declare_columns(const scene::Scene& scene) {
     for (const scene::ElementColumn& column : element.columns)
       place_of(all, column.name)["unit"] = scene::unit(column.channel);
   }
-  if (!scene.dem) return;
-  for (const scene::ParticleSensor& sensor : scene.dem->sensors)
-    for (const scene::SensorChannel channel : scene::channels_of(sensor))
-      place_of(own("sensors")[sensor.name], scene::name(channel))["unit"] = scene::unit(channel);
+  scene::each_sensor(
+      scene, [&](const std::string& sensor, const std::vector<scene::SensorChannel>& channels) {
+        for (const scene::SensorChannel channel : channels)
+          place_of(own("sensors")[sensor], scene::name(channel))["unit"] = scene::unit(channel);
+      });
 }
 
 void Summary::set_columns(const char* list, const Signals& rows) {
@@ -603,6 +604,7 @@ std::string Summary::table() const {
     };
     liquid_row("liquid momentum", "momentum_balance", "");
     liquid_row("liquid density error", "density_error", "");
+    liquid_row("liquid volume error", "volume_error", "");
     liquid_row("liquid Mach number", "mach", "");
   }
   if (dem.spheres > 0 || number("lost_particles") > 0) number_row("lost particles", "lost_particles", "");

@@ -297,7 +297,7 @@ def lines_chart(title, unit, lines):
 
 def window_charts(windows):
     time = windows.get("time")
-    kinds = [("Kinetic energy of the particles", "[J]", {"kinetic_energy": ""}, False),
+    kinds = [("Kinetic energy of the particles", "[J]", {"kinetic_energy": "", "liquid_kinetic_energy": "liquid"}, False),
              ("Contacts between spheres", "", {"contacts": ""}, False),
              ("Largest overlap so far", "of the radius", {"max_overlap_ratio": ""}, False),
              ("Micro steps per window", "", {"micro_steps": ""}, False),
@@ -310,6 +310,8 @@ def window_charts(windows):
         for name, label in names.items():
             values = windows.get(name)
             if values is None or not np.isfinite(values).any() or not np.any(values):
+                continue
+            if any(np.array_equal(values, other) for _, other in lines):  # the liquid is all that there is
                 continue
             lines.append((label, np.where(values > 0, values, np.nan) if log else values))
         if lines and (len(lines) > 1 or log or np.ptp(lines[0][1]) > 0):

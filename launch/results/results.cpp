@@ -213,8 +213,9 @@ void Results::record(Nanoseconds time, const protocol::BodiesFrame* bodies, cons
     signals.append(row);
   };
   if (state_->sensors) {
-    expect_columns(loads->sensors.size(), state_->sensors->names().size() - 1, "dem_server",
-                   "values of sensors", "can_measure");
+    const char* sender = !scene.sph ? "dem_server" : !scene.dem ? "sph_server" : "dem_server, sph_server";
+    expect_columns(loads->sensors.size(), state_->sensors->names().size() - 1, sender, "values of sensors",
+                   "can_measure");
     append(*state_->sensors, loads->sensors);
   }
   if (!scene.mbd) return;

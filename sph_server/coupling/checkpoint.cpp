@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* state_kind = "tandem liquid state";
 // Version of the contents. It must be raised with every change of the state that an engine keeps.
-constexpr std::uint64_t state_version = 1;
+constexpr std::uint64_t state_version = 2;
 
 std::string name_in_file(const std::string& name) {
   return "engine/" + name;
@@ -26,6 +26,7 @@ void Solver::checkpoint(const protocol::Checkpoint& order) {
   file.write("precision", precision_name());
   file.write("particles", std::uint64_t{particles_});
   file.write("memory", std::as_bytes(std::span(&memory_, 1)));
+  if (sensors_.any()) file.write("sensors", std::as_bytes(std::span(seen_)));
   engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
     file.write(name_in_file(name), bytes);
   });
@@ -53,6 +54,12 @@ void Solver::resume(const protocol::Checkpoint& order) {
                 fmt::format("is the state at {} s, not at {} s", to_seconds(Nanoseconds{memory.now}),
                             to_seconds(order.time)),
                 order.path, "give the files of one checkpoint");
+  std::vector<Sensors::Seen> seen = sensors_.nothing_seen();
+  if (sensors_.any()) file.read("sensors", std::as_writable_bytes(std::span(seen)));
+  for (const Sensors::Seen& one : seen)
+    if (!one.is_possible())
+      throw Error(ErrorCode::resource, "its array 'sensors' is damaged: a figure is not possible", order.path,
+                  "continue from another checkpoint");
   try {
     engine_->read([&](const std::string& name) {
       std::vector<std::byte> bytes(file.size(name_in_file(name)));
@@ -63,6 +70,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
     throw error.where().empty() ? Error(error.code(), error.problem(), order.path, error.hint()) : error;
   }
   memory_ = memory;
+  seen_ = std::move(seen);
 }
 
 }  // namespace tandem::sph

@@ -1,6 +1,7 @@
 // Builds the liquid of a scene before the first window.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -11,38 +12,30 @@
 #include "common/scene/parse.hpp"
 #include "common/scene/plain_text.hpp"
 #include "particles/base/backend.hpp"
+#include "particles/base/memory.hpp"
 #include "protocol/codec.hpp"
 #include "protocol/facts.hpp"
 #include "protocol/frame.hpp"
 #include "sph_server/coupling/load_solver.hpp"
-#include "sph_server/equations/time_step.hpp"
-#include "sph_server/io/check_start.hpp"
 
 namespace tandem::sph {
-namespace {
 
-dem::Periods periods_of(const scene::Sph& sph) {
-  dem::Periods periods;
-  periods.min = sph.domain.min;
-  for (int a = 0; a < 3; ++a)
-    if (sph.periodic[static_cast<std::size_t>(a)]) periods.length[a] = sph.domain.max[a] - sph.domain.min[a];
-  return periods;
+// Checks the memory of the engine before its particles are placed [bytes].
+std::size_t Solver::check_memory(const LiquidStart& start) const {
+  const scene::Coupling& how = scene_.coupling;
+  const bool with_copy = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
+  const std::size_t count = start.particles(),
+                    bytes =
+                        predicted_bytes(count, properties_,
+                                        scene_.sph->precision == scene::LiquidPrecision::mixed, with_copy),
+                    available = dem::available_memory(dem::Backend::cpu);
+  if (bytes > available)
+    throw Error(ErrorCode::resource,
+                fmt::format("the {} particles of the liquid need {:.4g} GB; {:.4g} GB are free", count,
+                            static_cast<double>(bytes) / 1e9, static_cast<double>(available) / 1e9),
+                "host memory", "give a larger sph.spacing");
+  return bytes;
 }
-
-Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth) {
-  const scene::Liquid& given = sph.liquids.front();
-  Liquid liquid;
-  liquid.density = given.density;
-  liquid.viscosity = given.viscosity;
-  liquid.spacing = sph.spacing;
-  liquid.artificial = given.artificial_viscosity;
-  liquid.gravity = gravity;
-  liquid.sound_speed =
-      given.sound_speed.value_or(suggested_sound_speed(given.expected_speed, norm(gravity), depth));
-  return liquid;
-}
-
-}  // namespace
 
 protocol::Configured Solver::configure(const protocol::Configuration& configuration) {
   const auto begin = std::chrono::steady_clock::now();
@@ -57,33 +50,19 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const scene::Sph& sph = *scene_.sph;
   const scene::Liquid& liquid = sph.liquids.front();
 
-  const Sites sites = sites_of(liquid, sph.spacing, scene_.gravity);
-  particles_ = sites.position.size();
-  if (const std::uint64_t size = protocol::size_of_particles_frame(particles_, true);
-      scene_.output.particles && size > protocol::max_payload)
-    throw Error(
-        ErrorCode::resource,
-        fmt::format("a frame of {} particles has {:.2f} GB; messages end at {:.2f} GB", particles_,
-                    static_cast<double>(size) / 1e9, static_cast<double>(protocol::max_payload) / 1e9),
-        "output.particles",
-        "leave particles out of frames (\"output\": {\"particles\": false}), or use a larger spacing");
-  properties_ = properties_of(sph, scene_.gravity, sites.deepest());
-  const std::vector<BodyWalls> walls = walls_of_bodies(scene_, configuration.meshes);
-  std::vector<dem::BodyPose> poses;
-  LiquidSetup setup;
+  LiquidStart start = prepare_start(scene_, configuration.meshes);
+  start.setup.threads = configuration.threads;
+  const std::vector<BodyWalls>& walls = start.walls;
+  properties_ = start.setup.liquid;
   for (const BodyWalls& body : walls) {
-    bodies_.push_back({body.body, scene_.body_name(body.body), 0});
-    poses.push_back(dem::pose_at_start(body.body, scene_));
-    setup.walls.push_back(body.mesh);
+    double extent = 0;
+    for (const Vec3d& vertex : body.mesh.vertices) extent = std::max(extent, norm(vertex));
+    const bool is_new = bodies_.empty() || bodies_.back().body != body.body;
+    bodies_loaded_ += is_new ? 1 : 0;
+    load_of_.push_back(bodies_loaded_ - 1);
+    bodies_.push_back({body.body, scene_.body_name(body.body), extent});
     for (const std::string& sentence : body.inside) log::info("{}", sentence);
   }
-  check_start(sites, scene_, walls, poses);
-
-  setup.liquid = properties_;
-  setup.domain = sph.domain;
-  setup.periods = periods_of(sph);
-  setup.slip.assign(walls.size(), sph.wall_friction == scene::WallFriction::free_slip);
-  setup.threads = configuration.threads;
   const double window =
       scene_.coupling.adaptive ? scene_.coupling.adaptive->max_window : scene_.coupling.window;
   if (const double steps = window / step_at_rest(); steps > most_steps)
@@ -92,8 +71,21 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         fmt::format("the step of {:.4g} s cuts the window of {:.4g} s into {:.4g} steps, more than {:.0f}",
                     step_at_rest(), window, steps, most_steps),
         sph.micro_step ? "sph.micro_step" : "sph.spacing", "enlarge it, or shorten the window");
-  engine_ = make_liquid_engine(setup, sph.precision == scene::LiquidPrecision::mixed);
-  engine_->set_state(fill_of(sites, liquid, properties_), poses);
+  const std::size_t predicted = check_memory(start);
+  const LiquidState liquid_now = particles_of(start, scene_);
+  particles_ = liquid_now.size();
+  if (const std::uint64_t size = protocol::size_of_particles_frame(particles_, true);
+      scene_.output.particles && size > protocol::max_payload)
+    throw Error(
+        ErrorCode::resource,
+        fmt::format("a frame of {} particles has {:.2f} GB; messages end at {:.2f} GB", particles_,
+                    static_cast<double>(size) / 1e9, static_cast<double>(protocol::max_payload) / 1e9),
+        "output.particles",
+        "leave particles out of frames (\"output\": {\"particles\": false}), or use a larger spacing");
+  engine_ = make_liquid_engine(start.setup, sph.precision == scene::LiquidPrecision::mixed);
+  engine_->set_state(liquid_now, start.poses);
+  sensors_ = Sensors(scene_, start.setup, walls);
+  seen_ = sensors_.nothing_seen();
   const EnergyBalance energies = engine_->energies();
   memory_.energy_start = energies.kinetic + energies.compression;
   memory_.energy_scale = memory_.energy_start;
@@ -103,6 +95,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   facts.backend = "cpu";
   facts.device = dem::device_name(dem::Backend::cpu);
   facts.precision = precision_name();
+  facts.predicted_memory = static_cast<double>(predicted) / 1e6;
   std::vector<std::string>& left_out = facts.left_out.emplace();
   if (properties_.viscosity == 0 && properties_.artificial == 0)
     left_out.emplace_back("viscosity of the liquid: it has none");
@@ -117,7 +110,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   nlohmann::ordered_json others;
   others["spacing_m"] = properties_.spacing;
   others["mass_kg"] = static_cast<double>(particles_) * properties_.mass();
-  others["depth_m"] = sites.deepest();
+  others["depth_m"] = start.depth;
   others["sound_speed_by"] = liquid.sound_speed ? "scene" : "rule";
   others["setup_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   log::info(
@@ -126,7 +119,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
       particles_, liquid.name, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
       *facts.steps_per_window);
   for (const std::string& what : left_out) log::info("left out: {}", what);
-  return {{}, protocol::encode_facts(facts, others), {}};
+  std::vector<double> measured;
+  if (sensors_.any()) measured = sensors_.measure(engine_->state(), start.poses, 0, seen_);
+  return {{}, protocol::encode_facts(facts, others), measured};
 }
 
 }  // namespace tandem::sph

@@ -33,7 +33,7 @@ std::unique_ptr<protocol::LoadSolver> make_solver() {
 }
 
 bool Solver::Memory::is_possible() const {
-  for (const double figure : {density_error, speed, shortest_step, energy_scale})
+  for (const double figure : {density_error, volume_error, speed, wall_speed, shortest_step, energy_scale})
     if (!(std::isfinite(figure) && figure >= 0)) return false;
   return std::isfinite(energy_start) && std::isfinite(energy_residual);
 }
@@ -66,6 +66,53 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
     paths_.push_back(dem::prepare_path(segment_of(body, motion), motion.window.length(), body.name.c_str()));
 }
 
+void Solver::watch_walls() {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (bodies_[b].body == ground) continue;
+    for (const double at : {0.0, 1.0}) {
+      const dem::BodyPose pose = pose_on_path(paths_[b], at);
+      memory_.wall_speed = std::max(memory_.wall_speed, norm(pose.v) + bodies_[b].extent * norm(pose.w));
+    }
+  }
+  if (memory_.wall_speed > largest_mach * properties_.sound_speed && !std::exchange(warned_walls_, true))
+    log::warn("{}", sentence_of_walls());
+}
+
+std::string Solver::sentence_of_walls() const {
+  return fmt::format(
+      "a wall of the liquid has up to {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): where the "
+      "liquid is beside it, use an expected_speed of {:.3g} m/s",
+      memory_.wall_speed, memory_.wall_speed / properties_.sound_speed, largest_mach, memory_.wall_speed);
+}
+
+// A liquid that is far too fast or too dense goes anywhere at last: the error then says so first.
+Error Solver::explained(const Error& error) const {
+  if (error.code() != ErrorCode::numerics) return error;
+  if (memory_.density_error > largest_density_error || mach() > largest_mach)
+    return Error(
+        error.code(),
+        fmt::format("{}; before, the density of the liquid was off by {:.2g} (limit {:.2g}), and "
+                    "its fastest particle had {:.2g} of the speed of sound (limit {:.2g})",
+                    error.problem(), memory_.density_error, largest_density_error, mach(), largest_mach),
+        error.where(),
+        fmt::format("use a larger sound_speed (now {:.3g} m/s): ten times the largest speed that "
+                    "liquid and walls will have",
+                    properties_.sound_speed));
+  if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)
+    return Error(error.code(),
+                 fmt::format("{}; before, {} times a particle passed a wall", error.problem(), passed),
+                 error.where(), "use a smaller sph.spacing, or a larger sound_speed");
+  return error;
+}
+
+void Solver::take_step(double dt) {
+  try {
+    engine_->step(dt, poses_);
+  } catch (const Error& error) {
+    throw explained(error);
+  }
+}
+
 const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   const Clock::time_point begin = Clock::now();
   const double cpu_begin = cpu_seconds(CpuClock::process);  // of all threads
@@ -77,9 +124,11 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
                     length, steps, step_at_rest(), most_steps),
         "motion", "send windows no longer than those of the scene");
   set_paths(motion);
+  watch_walls();
   loads_.window = motion.window;
-  loads_.bodies.assign(bodies_.size(), {});
-  for (std::size_t b = 0; b < bodies_.size(); ++b) loads_.bodies[b].body = bodies_[b].body.value;
+  loads_.bodies.assign(bodies_loaded_, {});
+  for (std::size_t b = 0; b < bodies_.size(); ++b) loads_.bodies[load_of_[b]].body = bodies_[b].body.value;
+  sensors_.begin_window();
   protocol::ParticleAccount& account = loads_.account;
   account.momentum_begin = engine_->momentum();
   previous_poses_ = engine_->poses();
@@ -89,20 +138,22 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     const double end = length - t - dt < 0.5 * dt ? length : t + dt;
     poses_.clear();
     for (const dem::PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, end / length));
-    engine_->step(end - t, poses_);
+    take_step(end - t);
     add_step(t, end - t, length);
     watch_limits();
     std::swap(poses_, previous_poses_);
     t = end;
   }
   const std::vector<Wrench> at_end = engine_->loads();
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    protocol::BodyLoad& load = loads_.bodies[b];
+  for (protocol::BodyLoad& load : loads_.bodies)
     for (Wrench* sum : {&load.mean, &load.first_moment}) {
       sum->force *= 1 / length;
       sum->torque *= 1 / length;
     }
-    load.end = at_end[b];
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Wrench& end = loads_.bodies[load_of_[b]].end;
+    end.force += at_end[b].force;
+    end.torque += at_end[b].torque;
   }
   account.micro_steps = steps;
   account.micro_step = length / static_cast<double>(steps);
@@ -113,7 +164,10 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   memory_.now = motion.window.end.count;
   memory_.micro_steps += steps;
   watch_energy();
+  const double volume = static_cast<double>(particles_) * properties_.mass() / properties_.density;
+  memory_.volume_error = std::max(memory_.volume_error, std::abs(engine_->volume() / volume - 1));
   account.kinetic_energy = engine_->energies().kinetic;
+  if (sensors_.any()) loads_.sensors = sensors_.measure(engine_->state(), engine_->poses(), length, seen_);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
   return loads_;
@@ -123,9 +177,10 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
 void Solver::add_step(double begin, double dt, double length) {
   const std::vector<Wrench>& loads = engine_->step_loads();
   const double from_middle = begin + 0.5 * dt - 0.5 * length;
+  sensors_.add_step(dt, loads, previous_poses_);
   memory_.shortest_step = memory_.shortest_step > 0 ? std::min(memory_.shortest_step, dt) : dt;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    protocol::BodyLoad& sum = loads_.bodies[b];
+    protocol::BodyLoad& sum = loads_.bodies[load_of_[b]];
     const Vec3d impulse = dt * loads[b].force, twist = dt * loads[b].torque;
     sum.mean.force += impulse;
     sum.mean.torque += twist;
@@ -141,16 +196,15 @@ void Solver::watch_limits() {
   const StepFigures figures = engine_->figures();
   memory_.density_error = std::max(memory_.density_error, figures.largest_compression);
   memory_.speed = std::max(memory_.speed, figures.largest_speed);
-  const double mach = memory_.speed / properties_.sound_speed;
   if (memory_.density_error > largest_density_error && !std::exchange(warned_density_, true))
     log::warn("the density of a particle is off by {:.2g}, beyond {:.2g}: use a sound_speed of {:.3g} m/s",
               memory_.density_error, largest_density_error,
               sound_speed_for(memory_.density_error, properties_.sound_speed));
-  if (mach > largest_mach && !std::exchange(warned_mach_, true))
+  if (mach() > largest_mach && !std::exchange(warned_mach_, true))
     log::warn(
         "a particle has {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use a sound_speed of {:.3g} "
         "m/s",
-        memory_.speed, mach, largest_mach, memory_.speed / largest_mach);
+        memory_.speed, mach(), largest_mach, memory_.speed / largest_mach);
 }
 
 void Solver::watch_energy() {
@@ -201,11 +255,13 @@ const protocol::ParticlesFrame& Solver::read_snapshot() {
 void Solver::save() {
   engine_->save();
   saved_ = memory_;
+  saved_seen_ = seen_;
 }
 
 void Solver::restore() {
   engine_->restore();
   memory_ = saved_;
+  seen_ = saved_seen_;
 }
 
 void Solver::warn(const std::string& sentence) {
@@ -225,12 +281,13 @@ std::vector<std::string> Solver::warnings_of_run() const {
         "(now {:.3g})",
         memory_.density_error, largest_density_error,
         sound_speed_for(memory_.density_error, properties_.sound_speed), properties_.sound_speed));
-  if (const double mach = memory_.speed / properties_.sound_speed; mach > largest_mach)
+  if (mach() > largest_mach)
     all.push_back(fmt::format(
         "the fastest particle of the liquid had {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use "
-        "a "
-        "sound_speed of {:.3g} m/s (now {:.3g})",
-        memory_.speed, mach, largest_mach, memory_.speed / largest_mach, properties_.sound_speed));
+        "a sound_speed of {:.3g} m/s (now {:.3g})",
+        memory_.speed, mach(), largest_mach, memory_.speed / largest_mach, properties_.sound_speed));
+  if (memory_.wall_speed > largest_mach * properties_.sound_speed) all.push_back(sentence_of_walls());
+  for (const std::string& sentence : sensors_.warnings(seen_)) all.push_back(sentence);
   if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)
     all.push_back(fmt::format("{} times a particle of the liquid passed a wall", passed));
   return all;
@@ -250,7 +307,8 @@ protocol::Report Solver::report() {
   facts.state_hash = digest.text();
   facts.solver_seconds = solver_seconds_;
   facts.density_error = memory_.density_error;
-  facts.mach = memory_.speed / properties_.sound_speed;
+  facts.mach = mach();
+  facts.volume_error = memory_.volume_error;
   facts.passed_walls = figures.passed_walls;
   facts.energy_residual = memory_.energy_residual;
   facts.energy_scale = memory_.energy_scale;

@@ -6,8 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "common/error.hpp"
 #include "particles/serving/boundary.hpp"
 #include "protocol/participant/solver.hpp"
+#include "sph_server/coupling/liquid_start.hpp"
+#include "sph_server/coupling/sensors.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 
 namespace tandem::sph {
@@ -27,7 +30,7 @@ class Solver final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return LoadSolver::capabilities() | protocol::can_checkpoint | protocol::can_snapshot |
-           protocol::can_observe_liquid;
+           protocol::can_observe_liquid | protocol::can_measure;
   }
 
  private:
@@ -37,7 +40,9 @@ class Solver final : public protocol::LoadSolver {
     std::int64_t now = 0;  // [ns]
     std::uint64_t micro_steps = 0;
     double density_error = 0;  // largest |rho/rho0 - 1| [-]
+    double volume_error = 0;   // largest |V/V0 - 1| of the whole liquid, V0 without pressure [-]
     double speed = 0;          // largest of a particle [m/s]
+    double wall_speed = 0;     // bound of that of walls [m/s]
     double shortest_step = 0;  // [s]; 0: none was taken
     double energy_start = 0;   // kinetic and of compression [J]
     double energy_scale = 0;   // largest sum of energy and of the sizes of its changes [J]
@@ -55,7 +60,13 @@ class Solver final : public protocol::LoadSolver {
   // The next step that the present state allows, of `left` seconds of a window [s].
   double next_step(double left) const;
   void set_paths(const protocol::MotionSet& motion);
+  void watch_walls();
+  std::string sentence_of_walls() const;
+  void take_step(double dt);
+  Error explained(const Error& error) const;
+  double mach() const { return memory_.speed / properties_.sound_speed; }
   void add_step(double begin, double dt, double length);
+  std::size_t check_memory(const LiquidStart& start) const;
   void watch_limits();
   void watch_energy();
   void fill(const LiquidState& state, Nanoseconds time, protocol::ParticlesFrame& frame) const;
@@ -66,13 +77,18 @@ class Solver final : public protocol::LoadSolver {
   scene::Scene scene_;
   Liquid properties_;
   std::unique_ptr<LiquidEngine> engine_;
-  std::vector<dem::BoundaryBody> bodies_;  // with walls, the ground last
+  // Of each mesh of walls, see walls_of_bodies(): its body, and the place of that in the loads.
+  std::vector<dem::BoundaryBody> bodies_;
+  std::vector<std::size_t> load_of_;
+  std::size_t bodies_loaded_ = 0;
+  Sensors sensors_;
+  std::vector<Sensors::Seen> seen_, saved_seen_;
   std::size_t particles_ = 0;
   Memory memory_, saved_;
   std::vector<dem::PreparedPath> paths_;
   std::vector<dem::BodyPose> poses_, previous_poses_;   // of bodies_, at the ends of the present step
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
-  bool warned_density_ = false, warned_mach_ = false;
+  bool warned_density_ = false, warned_mach_ = false, warned_walls_ = false;
   std::vector<std::string> warnings_;
   protocol::LoadSet loads_;
   LiquidState kept_;  // of the snapshot

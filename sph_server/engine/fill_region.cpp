@@ -1,8 +1,10 @@
 #include "sph_server/engine/fill_region.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -22,12 +24,12 @@ namespace {
 }
 
 struct Below {
-  double volume = 0;  // [m3]
+  double volume = 0;  // negative for a mesh whose normals are inwards [m3]
   double depth = 0;   // mean below the level [m]
 };
 
 // Sums of tetrahedra whose fourth corner is on the level, so that the cut itself adds nothing.
-Below part_below(const TriangleMesh& region, Vec3d up, double level) {
+Below signed_part_below(const TriangleMesh& region, Vec3d up, double level) {
   if (region.vertices.empty()) return {};
   const Vec3d first = region.vertices.front(), origin = first + (level - dot(first, up)) * up;
   double volume = 0, moment = 0;
@@ -47,7 +49,80 @@ Below part_below(const TriangleMesh& region, Vec3d up, double level) {
       moment -= one * dot(kept[0] + kept[k - 1] + kept[k], up) / 4;
     }
   }
-  return {std::fabs(volume), volume != 0 ? moment / volume : 0};
+  return {volume, volume != 0 ? moment / volume : 0};
+}
+Below part_below(const TriangleMesh& region, Vec3d up, double level) {
+  const Below below = signed_part_below(region, up, level);
+  return {std::fabs(below.volume), below.depth};
+}
+
+Vec3d upwards(Vec3d gravity) {
+  return -1.0 / norm(gravity) * gravity;
+}
+
+// Heights of the lowest and of the highest vertex along `up` [m].
+std::pair<double, double> extent_along(const TriangleMesh& region, Vec3d up) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Vec3d& v : region.vertices) {
+    low = std::min(low, dot(v, up));
+    high = std::max(high, dot(v, up));
+  }
+  return {low, high};
+}
+
+// Where the level is along `up` [m].
+double level_of(const TriangleMesh& region, Vec3d up, const FillAmount& amount) {
+  const auto [low, high] = extent_along(region, up);
+  const double whole = part_below(region, up, high).volume;
+  if (amount.height) {
+    if (!(*amount.height > 0 && *amount.height <= (high - low) * (1 + 1e-9)))
+      refuse("a height of " + scene::rounded(*amount.height) + " m in a region that is " +
+                 scene::rounded(high - low) + " m high",
+             "give a height above 0 and of at most that of the region");
+    return low + *amount.height;
+  }
+  if (!(*amount.volume > 0 && *amount.volume <= whole * (1 + 1e-9)))
+    refuse("a volume of " + scene::rounded(*amount.volume) + " m3 in a region of " + scene::rounded(whole) +
+               " m3",
+           "give a volume above 0 and of at most that of the region");
+  double lower = low, upper = high;
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (lower + upper);
+    (part_below(region, up, middle).volume < *amount.volume ? lower : upper) = middle;
+  }
+  return upper;
+}
+
+// The same mesh with its normals outwards.
+TriangleMesh outwards(TriangleMesh mesh, Vec3d up, double high) {
+  if (signed_part_below(mesh, up, high).volume < 0)
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+// Refuses a mesh that is open below the level: each edge there belongs to as many triangles of one direction
+// as of the other.
+void expect_closed(const TriangleMesh& region, Vec3d up, double level) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
+  std::map<std::array<double, 3>, std::uint32_t> known;
+  std::vector<std::uint32_t> same(region.vertices.size());  // vertices at one place are one
+  for (std::uint32_t v = 0; v < region.vertices.size(); ++v) {
+    const Vec3d x = region.vertices[v];
+    same[v] = known.emplace(std::array{x.x, x.y, x.z}, v).first->second;
+  }
+  for (const auto& t : region.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = same[t[k]], to = same[t[(k + 1) % 3]];
+      balance[std::minmax(from, to)] += from < to ? 1 : -1;
+    }
+  for (const auto& [edge, sum] : balance) {
+    if (sum == 0) continue;
+    for (const std::uint32_t v : {edge.first, edge.second})
+      if (dot(region.vertices[v], up) < level - 1e-9 * (1 + std::fabs(level)))
+        refuse("a region that is not closed: its edge at " + scene::rounded(region.vertices[v]) +
+                   " m, below the level, has a triangle on one side only",
+               "give a mesh that is closed up to the level");
+  }
 }
 
 // Axes of the lattice: the third is `up`.
@@ -78,7 +153,7 @@ class Filler {
       : setup_(setup),
         poses_(poses),
         region_(region),
-        frame_(-1.0 / norm(setup.liquid.gravity) * setup.liquid.gravity),
+        frame_(upwards(setup.liquid.gravity)),
         walls_(setup.walls, setup.liquid.support()) {
     for (std::uint32_t b = 0; b < walls_.bodies(); ++b) walls_.set_pose(b, poses[b]);
     for (int a = 0; a < 3; ++a) {
@@ -89,7 +164,7 @@ class Filler {
         high_[a] = std::max(high_[a], dot(v, frame_.axis[a]));
       }
     }
-    level_ = level_of(amount);
+    level_ = level_of(region, up(), amount);
     const Below below = part_below(region, up(), level_);
     const Liquid& l = setup.liquid;
     const double wanted = below.volume * l.density / l.mass() * (1 + at_rest(l, below.depth).compression);
@@ -131,27 +206,6 @@ class Filler {
         std::llround(part_below(region_, up(), level_).volume * l.density / l.mass()));
   }
 
-  double level_of(const FillAmount& amount) const {
-    const double whole = part_below(region_, up(), high_[2]).volume;
-    if (amount.height) {
-      if (!(*amount.height > 0 && *amount.height <= (high_[2] - low_[2]) * (1 + 1e-9)))
-        refuse("a height of " + scene::rounded(*amount.height) + " m in a region that is " +
-                   scene::rounded(high_[2] - low_[2]) + " m high",
-               "give a height above 0 and of at most that of the region");
-      return low_[2] + *amount.height;
-    }
-    if (!(*amount.volume > 0 && *amount.volume <= whole * (1 + 1e-9)))
-      refuse("a volume of " + scene::rounded(*amount.volume) + " m3 in a region of " + scene::rounded(whole) +
-                 " m3",
-             "give a volume above 0 and of at most that of the region");
-    double lower = low_[2], upper = high_[2];
-    for (int k = 0; k < 100; ++k) {
-      const double middle = 0.5 * (lower + upper);
-      (part_below(region_, up(), middle).volume < *amount.volume ? lower : upper) = middle;
-    }
-    return upper;
-  }
-
   double gap_at(Vec3d x) const {
     double gap = level_ - dot(x, up());
     NearWalls near;
@@ -179,7 +233,7 @@ class Filler {
           const std::int64_t index[3] = {x, y, z};
           for (int k = 0; k < 3; ++k)
             at += (low_[k] + (static_cast<double>(index[k]) + 0.5) * a) * frame_.axis[k];
-          if (std::fabs(winding_number(region_, at)) < 0.5) continue;
+          if (winding_number(region_, at) < 0.5) continue;
           found.push_back({gap_at(at), found.size(), at});
         }
     std::ranges::sort(found, [](const Site& p, const Site& q) {
@@ -254,16 +308,24 @@ double volume_below(const TriangleMesh& region, Vec3d up, double level) {
   return part_below(region, up, level).volume;
 }
 
-LiquidState fill_region(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses,
-                        const TriangleMesh& region, const FillAmount& amount) {
-  expect_liquid(setup.liquid);
-  if (!(norm(setup.liquid.gravity) > 0))
+double depth_of(const TriangleMesh& region, Vec3d gravity, const FillAmount& amount) {
+  if (!(norm(gravity) > 0))
     refuse("a level without gravity", "give gravity, or place the particles otherwise");
   if (amount.height.has_value() == amount.volume.has_value())
     refuse("neither or both of height and volume", "give one of them");
-  if (const std::string why = why_not_solid(region); !why.empty())
-    refuse("a region that is not closed: " + why, "give a closed mesh");
-  return Filler(setup, poses, region, amount).fill();
+  const Vec3d up = upwards(gravity);
+  const double level = level_of(region, up, amount);
+  expect_closed(region, up, level);
+  return level - extent_along(region, up).first;
+}
+
+LiquidState fill_region(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses,
+                        const TriangleMesh& region, const FillAmount& amount) {
+  expect_liquid(setup.liquid);
+  depth_of(region, setup.liquid.gravity, amount);
+  const Vec3d up = upwards(setup.liquid.gravity);
+  const TriangleMesh oriented = outwards(region, up, extent_along(region, up).second);
+  return Filler(setup, poses, oriented, amount).fill();
 }
 
 }  // namespace tandem::sph

@@ -17,13 +17,18 @@ struct FillAmount {
 // Volume of the part of a closed mesh where dot(x, up) < level [m3]. up: a unit vector.
 double volume_below(const TriangleMesh& region, Vec3d up, double level);
 
+// Depth of the liquid: of its level above the lowest point of the region [m]. gravity: not zero.
+// Error{scene} as fill_region.
+double depth_of(const TriangleMesh& region, Vec3d gravity, const FillAmount& amount);
+
 // Particles that fill the region up to the level, at rest under the hydrostatic pressure that their
 // compression states. Their number is that of the liquid's mass. Where a cubic lattice fits between the
 // walls, as in a box of whole spacings, it is taken; elsewhere the particles are packed under a lid until
 // walls and particles fill the space evenly (LiquidEngine::pack). Walls: those of `setup` with these poses;
-// they enclose the region, up to the level at least. region: in world axes.
-// Error{scene} without gravity, for an open mesh, for an amount that is not in the mesh, and for less than
-// one particle.
+// they enclose the region, up to the level at least. region: in world axes, closed up to the level; where it
+// has cavities, their triangles are wound the other way.
+// Error{scene} without gravity, for a mesh that is open below the level, for an amount that is not in the
+// mesh, and for less than one particle.
 LiquidState fill_region(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses,
                         const TriangleMesh& region, const FillAmount& amount);
 

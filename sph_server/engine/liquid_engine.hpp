@@ -32,6 +32,7 @@ struct LiquidState {
   std::vector<Vec3d> velocity;      // [m/s]
   std::vector<double> compression;  // rho/rho0 - 1 [-]
   std::vector<double> pressure;     // [Pa]; read only
+  std::vector<Vec3d> slope;         // gradient of the pressure [Pa/m]; read only
   std::size_t size() const { return position.size(); }
 };
 
@@ -86,6 +87,7 @@ class LiquidEngine {
   // the impulse that the liquid got from the bodies.
   virtual const std::vector<Wrench>& step_loads() const = 0;
   virtual Vec3d momentum() const = 0;  // of the liquid [kg m/s]
+  virtual double volume() const = 0;   // sum of m/rho of the particles [m3]
   virtual EnergyBalance energies() const = 0;
   virtual StepFigures figures() const = 0;
 
@@ -103,5 +105,9 @@ class LiquidEngine {
 // Error{scene} for a liquid whose properties are out of range. `single`: pair arithmetic and what neighbours
 // read in single precision; position, velocity and compression of a particle keep more digits.
 std::unique_ptr<LiquidEngine> make_liquid_engine(const LiquidSetup& setup, bool single);
+
+// Memory of the particles of such an engine with their lists and copies of both, as save() makes them,
+// without walls and cells [bytes]. The lists are those of particles in a lattice.
+std::size_t predicted_bytes(std::size_t particles, const Liquid& liquid, bool single, bool with_copy);
 
 }  // namespace tandem::sph

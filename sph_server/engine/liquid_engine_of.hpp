@@ -101,6 +101,7 @@ class LiquidEngineOf final : public LiquidEngine {
       s.velocity.push_back(dem::velocity_of(velocity_[i], fine_[i]));
       s.compression.push_back(compression_[i]);
       s.pressure.push_back(static_cast<double>(state_[i].pressure));
+      s.slope.push_back(slope_[i].template as<double>());
     }
     return s;
   }
@@ -163,6 +164,12 @@ class LiquidEngineOf final : public LiquidEngine {
     Vec3d sum;
     for (std::size_t i = 0; i < velocity_.size(); ++i) sum += dem::velocity_of(velocity_[i], fine_[i]);
     return setup_.liquid.mass() * sum;
+  }
+
+  double volume() const override {
+    double sum = 0;
+    for (const double e : compression_) sum += 1 / (1 + e);
+    return setup_.liquid.mass() / setup_.liquid.density * sum;
   }
 
   EnergyBalance energies() const override {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "common/error.hpp"
 
@@ -40,24 +42,62 @@ void append(const TriangleMesh& mesh, TriangleMesh& to) {
   for (const auto& t : mesh.triangles) to.triangles.push_back({first + t[0], first + t[1], first + t[2]});
 }
 
+const TriangleMesh& mesh_of(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) {
+  const auto named = std::ranges::find(meshes, wall.name, &NamedMesh::name);
+  if (named == meshes.end())
+    throw Error(ErrorCode::protocol, "no mesh came with wall '" + wall.name + "'", "sph.walls",
+                "the coordinator must send the mesh of every wall");
+  return named->mesh;
+}
+
+// Whether a sensor measures the load on this wall alone.
+bool is_sensed(const scene::Sph& sph, const scene::Wall& wall) {
+  return std::ranges::any_of(sph.sensors, [&](const scene::LiquidSensor& s) { return s.wall == wall.name; });
+}
+
 }  // namespace
+
+bool is_slip(const scene::Sph& sph, BodyId body) {
+  const auto pair = std::ranges::find(sph.pairs, body, &scene::LiquidPair::body);
+  return (pair == sph.pairs.end() ? sph.wall_friction : pair->wall_friction) ==
+         scene::WallFriction::free_slip;
+}
+
+TriangleMesh whole_mesh_of(const scene::Wall& wall, const scene::Sph& sph,
+                           const std::vector<NamedMesh>& meshes) {
+  TriangleMesh mesh;
+  if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape))
+    mesh = box_mesh(box->size);
+  else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape))
+    mesh = cylinder_mesh(cylinder->radius, cylinder->height.value(),
+                         cylinder->segments.value_or(segments_of(cylinder->radius, sph.spacing)));
+  else if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape))
+    mesh = sphere_mesh(sphere->radius, segments_of(sphere->radius, sph.spacing));
+  else
+    mesh = mesh_of(wall, meshes);
+  return transformed(std::move(mesh), wall.pose);
+}
 
 std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
   const scene::Sph& sph = scene.sph.value();
-  std::map<BodyId, BodyWalls> bodies;
+  // Names of walls are not empty: what no sensor measures is last of its body.
+  std::map<std::tuple<BodyId, bool, std::string>, BodyWalls> groups;
   for (const scene::Wall& wall : sph.walls) {
-    BodyWalls& body = bodies[wall.body];
-    body.body = wall.body;
-    const auto add = [&](const TriangleMesh& mesh) { append(transformed(mesh, wall.pose), body.mesh); };
-    const auto round = [&](double radius, const auto& mesh_of) {
+    const bool alone = is_sensed(sph, wall);
+    const std::string sensed = alone ? wall.name : "";
+    BodyWalls& group = groups[{wall.body, !alone, sensed}];
+    group.body = wall.body;
+    group.sensed = sensed;
+    const auto add = [&](const TriangleMesh& mesh) { append(transformed(mesh, wall.pose), group.mesh); };
+    const auto round = [&](double radius, const auto& mesh_of_segments) {
       const int segments = segments_of(radius, sph.spacing);
-      add(mesh_of(segments));
-      body.inside.push_back(
+      add(mesh_of_segments(segments));
+      group.inside.push_back(
           fmt::format("wall '{}' has {} flat faces around, at most {:.2g} m inside its round surface",
                       wall.name, segments, radius * (1 - std::cos(std::numbers::pi / segments))));
     };
     if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
-      append(square_of(*plane, wall.pose, sph), body.mesh);
+      append(square_of(*plane, wall.pose, sph), group.mesh);
     } else if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
       add(box_mesh(box->size, box->open));
     } else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape)) {
@@ -71,15 +111,12 @@ std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vec
     } else if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape)) {
       round(sphere->radius, [&](int segments) { return sphere_mesh(sphere->radius, segments); });
     } else {
-      const auto named = std::ranges::find(meshes, wall.name, &NamedMesh::name);
-      if (named == meshes.end())
-        throw Error(ErrorCode::protocol, "no mesh came with wall '" + wall.name + "'", "sph.walls",
-                    "the coordinator must send the mesh of every wall");
-      add(named->mesh);
+      add(mesh_of(wall, meshes));
     }
+    group.wall.resize(group.mesh.triangles.size(), wall.name);
   }
   std::vector<BodyWalls> all;
-  for (auto& [id, body] : bodies) all.push_back(std::move(body));
+  for (auto& [key, group] : groups) all.push_back(std::move(group));
   return all;
 }
 

@@ -1,4 +1,4 @@
-// The walls of a scene as one mesh for each body.
+// The walls of a scene as meshes.
 #pragma once
 
 #include <string>
@@ -9,13 +9,25 @@
 
 namespace tandem::sph {
 
+// Walls whose loads the solver keeps apart from others: those of one body, without each wall that a sensor of
+// a load names, which is for itself.
 struct BodyWalls {
   BodyId body;
-  TriangleMesh mesh;                // of all walls of the body, in its frame; a plane is a square
+  std::string sensed;               // name of the wall that is for itself; empty: all others of the body
+  TriangleMesh mesh;                // in the frame of the body; a plane is a square
+  std::vector<std::string> wall;    // name of the wall of each triangle
   std::vector<std::string> inside;  // sentences: walls that are inscribed into round surfaces
 };
-// The bodies with walls in ascending order, the ground last. `meshes`: of the walls with a mesh, by name.
-// Error{protocol} where one is missing.
+// By body in ascending order, the ground last; of each body first the walls that are for themselves, by name.
+// `meshes`: of the walls with a mesh, by name. Error{protocol} where one is missing.
 std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
+
+// Whether all walls of a body have friction or none has.
+bool is_slip(const scene::Sph& sph, BodyId body);
+
+// The whole surface of a wall, with the faces that it leaves open, in the frame of its body. The wall is no
+// plane.
+TriangleMesh whole_mesh_of(const scene::Wall& wall, const scene::Sph& sph,
+                           const std::vector<NamedMesh>& meshes);
 
 }  // namespace tandem::sph

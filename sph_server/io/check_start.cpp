@@ -8,13 +8,15 @@
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
 #include "particles/geometry/touch_facet.hpp"
+#include "sph_server/neighbours/walls_view.hpp"
 
 namespace tandem::sph {
 namespace {
 
 // Sites of one box, by their place in the lattice.
 struct Lattice {
-  const scene::Box* box = nullptr;
+  scene::Box box;
+  std::size_t fill = 0;   // place in the fills of the liquid
   std::size_t first = 0;  // index of the first site
   int count[3]{};
   Vec3d step;  // [m]
@@ -23,9 +25,12 @@ struct Lattice {
 std::vector<Lattice> lattices_of(const scene::Liquid& liquid, double spacing) {
   std::vector<Lattice> all;
   std::size_t first = 0;
-  for (const scene::Box& box : liquid.fill) {
+  for (std::size_t k = 0; k < liquid.fill.size(); ++k) {
+    if (!std::holds_alternative<scene::Box>(liquid.fill[k])) continue;
+    const scene::Box box = std::get<scene::Box>(liquid.fill[k]);
     Lattice& l = all.emplace_back();
-    l.box = &box;
+    l.box = box;
+    l.fill = k;
     l.first = first;
     std::size_t sites = 1;
     for (int a = 0; a < 3; ++a) {
@@ -38,26 +43,42 @@ std::vector<Lattice> lattices_of(const scene::Liquid& liquid, double spacing) {
   return all;
 }
 
-// Visits the sites of a lattice within `margin` of the box around a facet.
+// Visits the sites of a lattice within `margin` of the box around a facet, with their numbers along the axes.
 template <class Visit>
 void visit_near(const Lattice& l, const dem::Facet& f, double margin, Visit visit) {
   int from[3], to[3];
   for (int a = 0; a < 3; ++a) {
     const double low = std::min({f.a[a], f.b[a], f.c[a]}) - margin,
                  high = std::max({f.a[a], f.b[a], f.c[a]}) + margin;
-    const double begin = std::ceil((low - l.box->min[a]) / l.step[a] - 0.5),
-                 end = std::floor((high - l.box->min[a]) / l.step[a] - 0.5);
+    const double begin = std::ceil((low - l.box.min[a]) / l.step[a] - 0.5),
+                 end = std::floor((high - l.box.min[a]) / l.step[a] - 0.5);
     from[a] = static_cast<int>(std::clamp(begin, 0.0, static_cast<double>(l.count[a])));
     to[a] = static_cast<int>(std::clamp(end, -1.0, static_cast<double>(l.count[a] - 1)));
   }
-  for (int k = from[2]; k <= to[2]; ++k)
-    for (int j = from[1]; j <= to[1]; ++j)
-      for (int i = from[0]; i <= to[0]; ++i)
+  int n[3];
+  for (n[2] = from[2]; n[2] <= to[2]; ++n[2])
+    for (n[1] = from[1]; n[1] <= to[1]; ++n[1])
+      for (n[0] = from[0]; n[0] <= to[0]; ++n[0])
         visit(l.first +
-              (static_cast<std::size_t>(k) * static_cast<std::size_t>(l.count[1]) +
-               static_cast<std::size_t>(j)) *
-                  static_cast<std::size_t>(l.count[0]) +
-              static_cast<std::size_t>(i));
+                  (static_cast<std::size_t>(n[2]) * static_cast<std::size_t>(l.count[1]) +
+                   static_cast<std::size_t>(n[1])) *
+                      static_cast<std::size_t>(l.count[0]) +
+                  static_cast<std::size_t>(n[0]),
+              n);
+}
+
+// Calls each(facet in the world, name of its wall).
+template <class Each>
+void each_facet(const std::vector<BodyWalls>& walls, std::span<const dem::BodyPose> poses, Each each) {
+  for (std::size_t b = 0; b < walls.size(); ++b) {
+    const auto in_world = [&](std::uint32_t vertex) {
+      return poses[b].p + poses[b].R * walls[b].mesh.vertices[vertex];
+    };
+    for (std::size_t k = 0; k < walls[b].mesh.triangles.size(); ++k) {
+      const auto& t = walls[b].mesh.triangles[k];
+      each(dem::triangle_facet(in_world(t[0]), in_world(t[1]), in_world(t[2])), walls[b].wall[k]);
+    }
+  }
 }
 
 }  // namespace
@@ -65,27 +86,38 @@ void visit_near(const Lattice& l, const dem::Facet& f, double margin, Visit visi
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
                  std::span<const dem::BodyPose> poses) {
   const scene::Sph& sph = scene.sph.value();
-  const double margin = nearest_wall * sph.spacing;
   const std::vector<Lattice> lattices = lattices_of(sph.liquids.front(), sph.spacing);
-  for (std::size_t b = 0; b < walls.size(); ++b) {
-    const auto in_world = [&](std::uint32_t vertex) {
-      return poses[b].p + poses[b].R * walls[b].mesh.vertices[vertex];
-    };
-    for (const auto& t : walls[b].mesh.triangles) {
-      const dem::Facet facet = dem::triangle_facet(in_world(t[0]), in_world(t[1]), in_world(t[2]));
-      for (std::size_t k = 0; k < lattices.size(); ++k)
-        visit_near(lattices[k], facet, margin, [&](std::size_t site) {
-          dem::WallContact contact;
-          if (!dem::touch_triangle(facet, sites.position[site], margin, contact)) return;
-          throw Error(
-              ErrorCode::scene,
-              fmt::format("a particle starts at {} m, nearer than {:.3g} m to a wall of '{}'",
-                          scene::rounded(sites.position[site]), margin, scene.body_name(walls[b].body)),
-              "sph.liquids[0]." + scene::element("fill", k),
-              "let the box end at the wall: particles are half a spacing away from its faces");
-        });
-    }
-  }
+  each_facet(walls, poses, [&](const dem::Facet& facet, const std::string& wall) {
+    for (std::size_t k = 0; k < lattices.size(); ++k)
+      visit_near(lattices[k], facet, sph.spacing, [&](std::size_t site, const int* number) {
+        for (int a = 0; a < 3; ++a) {
+          if (number[a] + 1 == lattices[k].count[a]) continue;
+          const Vec3d here = sites.position[site];
+          Vec3d next = here;
+          next[a] += lattices[k].step[a];
+          if (crosses(facet, here, next))
+            throw Error(ErrorCode::scene,
+                        fmt::format("wall '{}' passes through the box, between {} m and {} m", wall,
+                                    scene::rounded(here), scene::rounded(next)),
+                        place_of_fill(lattices[k].fill),
+                        "let the box end at the wall; where liquid is meant on both sides, give a box for "
+                        "each side");
+        }
+      });
+  });
+  const double margin = nearest_wall * sph.spacing;
+  each_facet(walls, poses, [&](const dem::Facet& facet, const std::string& wall) {
+    for (std::size_t k = 0; k < lattices.size(); ++k)
+      visit_near(lattices[k], facet, margin, [&](std::size_t site, const int*) {
+        dem::WallContact contact;
+        if (!dem::touch_triangle(facet, sites.position[site], margin, contact)) return;
+        throw Error(ErrorCode::scene,
+                    fmt::format("a particle starts at {} m, nearer than {:.3g} m to wall '{}'",
+                                scene::rounded(sites.position[site]), margin, wall),
+                    place_of_fill(lattices[k].fill),
+                    "let the box end at the wall: particles are half a spacing away from its faces");
+      });
+  });
 }
 
 }  // namespace tandem::sph

@@ -1,4 +1,4 @@
-// Refuses a start in which a wall is inside the liquid.
+// Refuses a start in which a wall is inside the liquid or passes through it.
 #pragma once
 
 #include <span>
@@ -14,7 +14,8 @@ namespace tandem::sph {
 // shapes and edges of meshes are not on the lattice.
 inline constexpr double nearest_wall = 0.3;  // [spacings]
 
-// `poses`: of the bodies at the start. Error{scene} for a site that is too near to a wall.
+// `poses`: of the bodies at the start. Error{scene} with the name of the wall for a site
+// that is too near to it, and for a box through which it passes.
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
                  std::span<const dem::BodyPose> poses);
 

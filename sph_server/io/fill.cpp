@@ -46,11 +46,19 @@ double Sites::deepest() const {
   return depth.empty() ? 0 : *std::ranges::max_element(depth);
 }
 
+std::vector<scene::Box> boxes_of(const scene::Liquid& liquid) {
+  std::vector<scene::Box> boxes;
+  for (const auto& fill : liquid.fill)
+    if (const auto* box = std::get_if<scene::Box>(&fill)) boxes.push_back(*box);
+  return boxes;
+}
+
 Sites sites_of(const scene::Liquid& liquid, double spacing, Vec3d gravity) {
   Sites sites;
+  const std::vector<scene::Box> boxes = boxes_of(liquid);
   const double g = norm(gravity);
   const Vec3d down = g > 0 ? (1 / g) * gravity : Vec3d{};
-  for (const scene::Box& box : liquid.fill) {
+  for (const scene::Box& box : boxes) {
     int count[3];
     Vec3d step;
     for (int a = 0; a < 3; ++a) {
@@ -62,8 +70,8 @@ Sites sites_of(const scene::Liquid& liquid, double spacing, Vec3d gravity) {
         for (int i = 0; i < count[0]; ++i) {
           const Vec3d x = box.min + Vec3d{(i + 0.5) * step.x, (j + 0.5) * step.y, (k + 0.5) * step.z};
           sites.position.push_back(x);
-          const double above = g > 0 ? column(liquid.fill, x, -down, spacing) : 0,
-                       below = g > 0 ? column(liquid.fill, x, down, spacing) : 0;
+          const double above = g > 0 ? column(boxes, x, -down, spacing) : 0,
+                       below = g > 0 ? column(boxes, x, down, spacing) : 0;
           sites.above.push_back(above);
           sites.depth.push_back(above + below);
         }

@@ -53,8 +53,9 @@ class Liquid(Case):
 
     def test_every_transport_and_scheme_has_its_bits(self):
         hashes = {}
-        for transport in ("shm", "inproc", "stream"):
-            self.run_scene(self.scene(checks=[]), "--end-time", "0.05", "--transport", transport)
+        for transport in ("shm", "inproc", "stream", *(["dds"] if self.has_dds() else [])):
+            more = ["--insecure"] if transport == "dds" else []
+            self.run_scene(self.scene(checks=[]), "--end-time", "0.05", "--transport", transport, *more)
             hashes[transport] = self.summary()["state_hash"]
         self.assertEqual(len(set(hashes.values())), 1, hashes)
         self.run_scene(self.scene(checks=[]), "--end-time", "0.05", "--scheme", "implicit")
@@ -72,6 +73,92 @@ class Liquid(Case):
         whole = self.summary()
         self.assertEqual(restarted["state_hash"], whole["state_hash"])
         self.assertEqual(restarted["sph"]["momentum_balance"], whole["sph"]["momentum_balance"])
+
+    def sensed(self):
+        """The tank with sensors of each kind, checks of them, and a controller's view of one."""
+        scene = json.loads(self.scene(end_time=0.3, checks=[]).read_text())
+        scene["sph"]["sensors"] = [
+            {"type": "level", "name": "gauge", "body": "tank", "position": [0.05, 0.01, -0.14]},
+            {"type": "pressure", "name": "bottom", "body": "tank", "position": [0, 0, -0.14]},
+            {"type": "load", "name": "sloshing", "body": "tank", "position": [0, 0, -0.14], "axis": [0, 1, 0]},
+            {"type": "load", "name": "on_case", "wall": "case"},
+            {"type": "region", "name": "right", "body": "tank", "position": [0.1, 0, 0],
+             "shape": {"type": "box", "size": [0.2, 1, 1]}, "flow": "x"}]
+        scene["checks"] = [
+            {"name": "level [m]", "of": "gauge.level", "reduce": "mean", "expected": 0.16, "tolerance": 0.05, "why": "the fill"},
+            {"name": "pressure [Pa]", "of": "bottom.pressure", "reduce": "mean", "expected": 1569.6, "tolerance": 0.06,
+             "why": "1000 kg/m3 x 9.81 m/s2 x 0.16 m"},
+            {"name": "load [N]", "of": "sloshing.force.z", "reduce": "last", "expected": {"of": "tank.contact_force.z", "times": 1},
+             "tolerance": 1e-9, "why": "the liquid is all that loads the tank"}]
+        scene["output"]["plots"] = ["gauge.level", "sloshing.axis_torque"]
+        path = self.folder / "sensed.json"
+        path.write_text(json.dumps(scene))
+        return path
+
+    def test_sensors(self):
+        self.run_scene(self.sensed())
+        rows = [line.split(",") for line in (self.out / "sensors.csv").read_text().splitlines()]
+        last = dict(zip(rows[0], map(float, rows[-1])))
+        self.assertIn("right.passed", last)
+        print(f"\n  level [m]: expected 0.16, measured {last['gauge.level']:.4g}; pressure [Pa]: expected 1570, "
+              f"measured {last['bottom.pressure']:.4g}")
+        for axis in "xyz":
+            self.assertEqual(last[f"on_case.force.{axis}"], last[f"sloshing.force.{axis}"])
+        self.assertAlmostEqual(last["sloshing.axis_torque"], last["sloshing.torque.y"], delta=1e-9 * 125)
+        sensors = self.summary()["sensors"]
+        self.assertEqual(sensors["gauge"]["level"]["unit"], "m")
+        self.assertEqual([check["passed"] for check in self.summary()["checks"]], [True] * 3)
+
+    def test_sensors_after_a_restart(self):
+        scene = self.sensed()
+        self.run_scene(scene, "--end-time", "0.1", "--checkpoint-every", "0.05")
+        begun = self.out.rename(self.folder / "begun")
+        self.run_scene(scene, "--end-time", "0.2", "--restart", str(begun))
+        restarted = (self.out / "sensors.csv").read_text()
+        self.run_scene(scene, "--end-time", "0.2")
+        self.assertEqual(restarted, (self.out / "sensors.csv").read_text())
+
+    def test_windows_and_summary_have_the_liquid(self):
+        self.run_scene(self.with_grains(), "--end-time", "0.05")
+        rows = [line.split(",") for line in (self.out / "windows.csv").read_text().splitlines()]
+        last = dict(zip(rows[0], map(float, rows[-1])))
+        self.assertGreater(last["liquid_micro_steps"], 0)
+        self.assertGreater(last["liquid_kinetic_energy"], 0)
+        self.assertNotEqual(last["liquid_kinetic_energy"], last["kinetic_energy"])
+        self.assertLess(last["liquid_momentum_balance"], 1e-6)
+        error = self.summary()["sph"]["volume_error"]
+        print(f"\n  volume error: {error:.3g}; half of the compression at the bottom, 0.005, and waves")
+        self.assertTrue(0 < error < 0.02)
+
+    def test_errors_at_the_start_name_the_mistake(self):
+        scene = json.loads(self.scene(checks=[]).read_text())
+        path = self.folder / "wrong.json"
+
+        def said(**liquid):
+            wrong = json.loads(json.dumps(scene))
+            wrong["sph"]["liquids"][0].update(liquid)
+            path.write_text(json.dumps(wrong))
+            return self.run_scene(path, expect=2)
+        through = said(fill=[{"type": "box", "min": [-0.2, -0.1, 0], "max": [0.24, 0.1, 0.16]}])
+        self.assertIn("wall 'case' passes through the box", through)
+        self.assertNotIn("while the servers started", through)
+        self.assertIn("1 g/cm3 is 1000 kg/m3: give 1000", said(density=1))
+        self.assertIn("is compressed by", said(sound_speed=2))
+
+    def test_a_liquid_that_is_too_fast_says_so(self):
+        """The bed falls much faster than its speed of sound bears, and leaves the domain at last."""
+        scene = json.loads(self.scene(checks=[], end_time=2).read_text())
+        del scene["sph"]["micro_step"]
+        scene["sph"]["liquids"][0] |= {"sound_speed": 1, "pressure": "zero", "velocity": [0, 0, 0], "artificial_viscosity": 0}
+        path = self.folder / "fast.json"
+        path.write_text(json.dumps(scene))
+        _, status, said = self.finish(self.start(path), 60)
+        if status == 0:
+            self.assertEqual(self.summary()["status"], "suspect")
+            self.assertIn("sound_speed", said)
+        else:
+            self.assertRegex(said, "before, the density of the liquid was off by|the liquid flies apart")
+            self.assertIn("larger sound_speed", said)
 
     def test_grains_and_liquid(self):
         scene = self.with_grains()

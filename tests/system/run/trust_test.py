@@ -280,7 +280,7 @@ class OverDds(Trust):
                               *arguments, expect=expect)
 
     def test_without_a_secret_nothing_starts(self):
-        self.assertIn("has no secret while the servers started (give --secret-file", self.dds_run(expect=2))
+        self.assertIn("has no secret (give --secret-file", self.dds_run(expect=2))
         self.assertEqual(self.dds_server().wait(10), 2)
         self.assertIn("has no secret", self.said("mbd_server"))
 

@@ -1,9 +1,11 @@
 // Scenes with a liquid: what is read, and what is refused.
 #include "common/error.hpp"
 #include "common/scene/parse.hpp"
+#include "common/scene/sensor_columns.hpp"
 #include "tests/unit/common/good_scene.hpp"
 #include "tests/unit/common/wrong_scene.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace tandem::scene::test {
@@ -17,6 +19,38 @@ namespace {
   R"("domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}}})"
 #define SPH(liquids, more) "[" SPH_WITH(liquids, more) "]"
 #define FILL(boxes) SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": [)" boxes "]}", "")
+
+#define TUB                                                                                                       \
+  R"("walls": [{"name": "tub", "position": [0.1, 0.1, 0.1], "shape": {"type": "box", "size": [0.3, 0.3, 0.3]}},)" \
+  R"({"name": "floor", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],)"
+#define INSIDE(more)                                                                                       \
+  SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": [{"type": "inside", )" more "}]}", \
+      TUB)
+
+TEST(Sph, SensorsAndPairsAreRead) {
+  const nlohmann::json json =
+      good_scene().patch(nlohmann::json::parse(SPH(LIQUID(R"("shifting": 5,)"), TUB R"("sensors": [
+             {"type": "load", "name": "thrust", "wall": "tub", "position": [0, 0, 1], "axis": [0, 1, 0]},
+             {"type": "load", "name": "on_all"},
+             {"type": "level", "name": "gauge", "position": [0.1, 0.1, 0]},
+             {"type": "pressure", "name": "probe", "position": [0.1, 0.1, 0]},
+             {"type": "region", "name": "half", "shape": {"type": "box", "size": [1, 1, 1]}, "flow": "x"}],
+             "pairs": [{"liquid": "water", "body": "ground", "wall_friction": "free_slip"}],)")));
+  const Scene scene = parse(json.dump(), "scene.json");
+  EXPECT_NO_THROW(validate(scene, "scene.json"));
+  EXPECT_EQ(scene.sph->liquids[0].shifting, 5);
+  ASSERT_EQ(scene.sph->sensors.size(), 5u);
+  ASSERT_EQ(scene.sph->pairs.size(), 1u);
+  EXPECT_EQ(scene.sph->pairs[0].wall_friction, WallFriction::free_slip);
+  std::vector<std::string> columns = sensor_columns(scene);
+  std::erase_if(columns, [](const std::string& column) { return column.starts_with("half."); });
+  const std::vector<std::string> expected = {
+      "thrust.force.x",  "thrust.force.y",     "thrust.force.z",  "thrust.torque.x", "thrust.torque.y",
+      "thrust.torque.z", "thrust.axis_torque", "on_all.force.x",  "on_all.force.y",  "on_all.force.z",
+      "on_all.torque.x", "on_all.torque.y",    "on_all.torque.z", "gauge.level",     "probe.pressure"};
+  columns.erase(columns.begin(), std::ranges::find(columns, expected.front()));
+  EXPECT_EQ(columns, expected);
+}
 
 TEST(Sph, IsRead) {
   const nlohmann::json json = good_scene().patch(
@@ -54,12 +88,65 @@ TEST(Sph, WallsOfTheSameNameAreOneSurface) {
 
 const WrongScene wrong_sph[] = {
     {"NoDensity", SPH(R"({"name": "water", "viscosity": 0, "fill": []})", ""),
-     "sph.liquids[0]: the key 'density' is missing (add density: density without pressure [kg/m3])"},
+     "sph.liquids[0]: the key 'density' is missing (add density: density without pressure, from 50 to 25,000 "
+     "[kg/m3])"},
     {"TwoLiquids",
      SPH(LIQUID("") R"(, {"name": "oil", "density": 900, "viscosity": 0.1,
          "fill": [{"type": "box", "min": [0, 0, 0.2], "max": [0.2, 0.2, 0.3]}]})",
          ""),
      "sph.liquids[1]: 'oil' is a second liquid, and the solver computes one (leave one of them)"},
+    {"GramsPerCubicCentimetre",
+     SPH(R"({"name": "oil", "density": 0.88, "viscosity": 0.1,
+             "fill": [{"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.1]}]})",
+         ""),
+     "sph.liquids[0].density: no liquid has a density of 0.88 kg/m3; they are from 50 to 25000 kg/m3 (1 "
+     "g/cm3 is "
+     "1000 kg/m3: give 880)"},
+    {"Gas",
+     SPH(R"({"name": "air", "density": 0.01, "viscosity": 1e-5,
+             "fill": [{"type": "box", "min": [0, 0, 0], "max": [0.2, 0.2, 0.1]}]})",
+         ""),
+     "sph.liquids[0].density: no liquid has a density of 0.01 kg/m3; they are from 50 to 25000 kg/m3 (water "
+     "has "
+     "1000 kg/m3)"},
+    {"InsideWithoutAmount", INSIDE(R"("wall": "tub")"),
+     "sph.liquids[0].fill[0]: the fill has neither level nor volume (give one of them)"},
+    {"InsideWithBoth", INSIDE(R"("wall": "tub", "level": 0.1, "volume": 1)"),
+     "sph.liquids[0].fill[0]: the fill has a level and a volume (give one of them)"},
+    {"InsideOfNoWall", INSIDE(R"("wall": "tup", "level": 0.1)"),
+     "sph.liquids[0].fill[0].wall: there is no wall 'tup' (did you mean 'tub'?)"},
+    {"InsideOfAPlane", INSIDE(R"("wall": "floor", "level": 0.1)"),
+     "sph.liquids[0].fill[0].wall: 'floor' is a plane, which has no inside (name a wall that ends on all "
+     "sides, "
+     "or fill a box)"},
+    {"PairOfNoBody",
+     SPH(LIQUID(""), R"("pairs": [{"liquid": "water", "body": "crate", "wall_friction": "no_slip"}],)"),
+     "sph.pairs[0].body: there is no wall of the liquid on 'crate' (name a body that has one)"},
+    {"SamePair",
+     SPH(LIQUID(""), TUB R"("pairs": [{"liquid": "water", "body": "ground", "wall_friction": "no_slip"},
+             {"liquid": "water", "body": "ground", "wall_friction": "free_slip"}],)"),
+     "sph.pairs[1]: is the same pair as sph.pairs[0] (leave one of them out)"},
+    {"SensorOfNoWall", SPH(LIQUID(""), TUB R"("sensors": [{"type": "load", "name": "l", "wall": "tup"}],)"),
+     "sph.sensors[0].wall: there is no wall 'tup' (did you mean 'tub'?)"},
+    {"SensorOfWallAndBody",
+     SPH(LIQUID(""), TUB R"("sensors": [{"type": "load", "name": "l", "wall": "tub", "body": "ground"}],)"),
+     "sph.sensors[0].body: the sensor has a wall, and the body follows from it (leave one of them out)"},
+    {"SensorBeyondTheDomain",
+     SPH(LIQUID(""), TUB R"("sensors": [{"type": "pressure", "name": "p", "position": [0, 0, 3]}],)"),
+     "sph.sensors[0].position: the point at [0, 0, 3] lies outside sph.domain, where no liquid is (move it "
+     "into the "
+     "domain)"},
+    {"SensorOnABodyWithoutWalls",
+     SPH(LIQUID(""),
+         TUB R"("sensors": [{"type": "level", "name": "l", "body": "crate", "position": [0, 0, 0]}],)"),
+     "sph.sensors[0].body: the body 'crate' carries no wall (the particles know where bodies with walls are: "
+     "name one "
+     "of those)"},
+    {"SensorWithTheNameOfABody",
+     SPH(LIQUID(""), TUB R"("sensors": [{"type": "pressure", "name": "crate", "position": [0, 0, 0]}],)"),
+     "sph.sensors[0].name: a body, joint, element or part of the results is called 'crate' as well, so that "
+     "columns "
+     "would be mixed up (give the sensor another name, such as 'crate_content')"},
     {"SoundSpeedAndExpectedSpeed", SPH(LIQUID(R"("sound_speed": 20, "expected_speed": 2,)"), ""),
      "sph.liquids[0].expected_speed: the speed of sound is given, and expected_speed is for choosing it "
      "(leave "

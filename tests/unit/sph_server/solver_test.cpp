@@ -212,7 +212,7 @@ TEST(SphSolver, RefusesWallsInsideTheLiquid) {
     EXPECT_NE(std::string(error.what()).find("sph.liquids[0].fill[0]: a particle starts at"),
               std::string::npos)
         << error.what();
-    EXPECT_NE(std::string(error.what()).find("nearer than 0.006 m to a wall of 'ground'"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("nearer than 0.006 m to wall 'plate'"), std::string::npos)
         << error.what();
   }
 }

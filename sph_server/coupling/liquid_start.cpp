@@ -1,0 +1,96 @@
+#include "sph_server/coupling/liquid_start.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/error.hpp"
+#include "particles/serving/boundary.hpp"
+#include "sph_server/equations/hydrostatic.hpp"
+#include "sph_server/equations/limits.hpp"
+#include "sph_server/equations/time_step.hpp"
+#include "sph_server/io/check_start.hpp"
+
+namespace tandem::sph {
+namespace {
+
+dem::Periods periods_of(const scene::Sph& sph) {
+  dem::Periods periods;
+  periods.min = sph.domain.min;
+  for (int a = 0; a < 3; ++a)
+    if (sph.periodic[static_cast<std::size_t>(a)]) periods.length[a] = sph.domain.max[a] - sph.domain.min[a];
+  return periods;
+}
+
+Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth) {
+  const scene::Liquid& given = sph.liquids.front();
+  Liquid liquid;
+  liquid.density = given.density;
+  liquid.viscosity = given.viscosity;
+  liquid.spacing = sph.spacing;
+  liquid.artificial = given.artificial_viscosity;
+  liquid.shifting = given.shifting;
+  liquid.gravity = gravity;
+  liquid.sound_speed = given.sound_speed.value_or(
+      suggested_sound_speed(std::max(given.expected_speed, norm(given.velocity)), norm(gravity), depth));
+  return liquid;
+}
+
+// Refuses a given speed of sound that is too low for the liquid as it starts.
+void expect_sound_speed(const scene::Liquid& given, const Liquid& liquid, double depth) {
+  if (!given.sound_speed) return;
+  const double c = *given.sound_speed, speed = norm(given.velocity);
+  const std::string where = "sph.liquids[0].sound_speed";
+  const double enough = suggested_sound_speed(speed, norm(liquid.gravity), depth);
+  const std::string advice =
+      fmt::format("leave it out and give expected_speed, or give {:.3g} m/s or more", enough);
+  if (const double compressed = at_rest(liquid, depth).compression;
+      given.pressure == scene::StartPressure::hydrostatic && compressed > largest_density_error)
+    throw Error(ErrorCode::scene,
+                fmt::format("with a speed of sound of {:.3g} m/s the liquid, {:.3g} m deep, is compressed by "
+                            "{:.2g} at its bottom by its own weight (limit {:.2g})",
+                            c, depth, compressed, largest_density_error),
+                where, advice);
+  if (speed > largest_mach * c)
+    throw Error(ErrorCode::scene,
+                fmt::format("the liquid starts with {:.3g} m/s, {:.2g} of the speed of sound of {:.3g} m/s "
+                            "(limit {:.2g})",
+                            speed, speed / c, c, largest_mach),
+                where, advice);
+}
+
+}  // namespace
+
+std::size_t LiquidStart::particles() const {
+  std::size_t count = sites.position.size();
+  for (const FilledInside& filled : insides) count += filled.particles;
+  return count;
+}
+
+LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+  const scene::Sph& sph = scene.sph.value();
+  const scene::Liquid& liquid = sph.liquids.front();
+  LiquidStart start;
+  start.sites = sites_of(liquid, sph.spacing, scene.gravity);
+  start.insides = insides_of(scene, meshes);
+  start.depth = start.sites.deepest();
+  for (const FilledInside& filled : start.insides) start.depth = std::max(start.depth, filled.depth);
+  start.setup.liquid = properties_of(sph, scene.gravity, start.depth);
+  expect_sound_speed(liquid, start.setup.liquid, start.depth);
+  start.walls = walls_of_bodies(scene, meshes);
+  for (const BodyWalls& body : start.walls) {
+    start.poses.push_back(dem::pose_at_start(body.body, scene));
+    start.setup.walls.push_back(body.mesh);
+    start.setup.slip.push_back(is_slip(sph, body.body));
+  }
+  check_start(start.sites, scene, start.walls, start.poses);
+  start.setup.domain = sph.domain;
+  start.setup.periods = periods_of(sph);
+  return start;
+}
+
+LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene) {
+  return liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses);
+}
+
+}  // namespace tandem::sph

@@ -1,0 +1,34 @@
+// The liquid of a scene before the first step: its properties, its walls, and its particles.
+#pragma once
+
+#include <vector>
+
+#include "common/scene/model.hpp"
+#include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/io/body_walls.hpp"
+#include "sph_server/io/fill.hpp"
+
+namespace tandem::sph {
+
+struct LiquidStart {
+  LiquidSetup setup;
+  std::vector<BodyWalls> walls;      // of setup.walls
+  std::vector<dem::BodyPose> poses;  // of them
+  Sites sites;                       // of the boxes
+  std::vector<FilledInside> insides;
+  double depth = 0;  // of the deepest liquid [m]
+
+  std::size_t particles() const;  // about as many as there will be
+};
+// Error{scene} for a speed of sound that is too low for the liquid as it starts, and for walls and amounts that
+// check_start() and insides_of() refuse. `meshes`: of the walls with a mesh, by name.
+LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
+
+// Its particles. Error{scene} as liquid_at_start().
+LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene);
+
+inline LiquidState start_of_liquid(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+  return particles_of(prepare_start(scene, meshes), scene);
+}
+
+}  // namespace tandem::sph

@@ -1,0 +1,62 @@
+// Sensors of the liquid: what is in a region, on a line and at a point at the end of each window, and the load
+// on walls as a mean over it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/scene/model.hpp"
+#include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/io/body_walls.hpp"
+#include "sph_server/neighbours/walls.hpp"
+
+namespace tandem::sph {
+
+class Sensors {
+ public:
+  // What one sensor keeps from window to window.
+  struct Seen {
+    double flow = 0, passed = 0;  // at the end of the last window [kg/s], since the start [kg]
+    double longest_way = 0;       // of the liquid in the region along its axis, in one window [m]
+    bool is_possible() const;
+  };
+
+  Sensors() = default;
+  // `walls`: those of `setup`, in the same order.
+  Sensors(const scene::Scene& scene, const LiquidSetup& setup, const std::vector<BodyWalls>& walls);
+
+  bool any() const { return !sensors_.empty(); }
+  std::vector<Seen> nothing_seen() const { return std::vector<Seen>(sensors_.size()); }
+  // A sentence for each region that liquid passes within a window, so that its `passed` is not right.
+  std::vector<std::string> warnings(const std::vector<Seen>& seen) const;
+
+  void begin_window();
+  // The loads on the walls over a step of dt [s] at whose begin they had these poses.
+  void add_step(double dt, std::span<const Wrench> loads, std::span<const dem::BodyPose> poses);
+  // The values of the columns of sph.sensors. `length`: of the window that ends now [s], 0 at the start.
+  const std::vector<double>& measure(const LiquidState& state, std::span<const dem::BodyPose> poses,
+                                     double length, std::vector<Seen>& seen);
+
+ private:
+  struct Sensor {
+    scene::LiquidSensor of;
+    std::vector<std::size_t> walls;  // of a load
+    std::size_t wall = 0;            // one of its body, for the pose
+    bool fixed = false;              // to the ground
+    bool against_gravity = false;    // the axis is in the world
+    Vec3d force, torque;             // impulses of the window so far [N s], [N m s]
+    double axis_torque = 0;          // [N m s]
+  };
+  dem::BodyPose pose_of(const Sensor& sensor, std::span<const dem::BodyPose> poses) const;
+  void measure_region(const Sensor& sensor, const dem::BodyPose& body, const LiquidState& state,
+                      double length, Seen& seen);
+
+  std::vector<Sensor> sensors_;
+  Liquid liquid_;
+  dem::Periods periods_;
+  Walls walls_;
+  std::vector<double> values_;
+};
+
+}  // namespace tandem::sph

@@ -1,0 +1,316 @@
+// How a liquid starts: fills inside walls, friction of a pair, sensors, and what is refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "common/log.hpp"
+#include "common/scene/parse.hpp"
+#include "common/scene/sensor_columns.hpp"
+#include "sph_server/coupling/liquid_start.hpp"
+#include "sph_server/coupling/make_solver.hpp"
+#include "tests/support/error_of.hpp"
+
+namespace tandem::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+// An open vat on the ground, 0.4 x 0.2 x 0.3 m, its floor at z = 0, filled up to the level of 0.16 m.
+json vat() {
+  return json::parse(R"({
+    "tandem": "1.1", "name": "vat", "end_time": 0.1, "coupling": {"window": 0.002},
+    "sph": {
+      "spacing": 0.02,
+      "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "artificial_viscosity": 0.1,
+                   "fill": [{"type": "inside", "wall": "vat", "level": 0.16}]}],
+      "walls": [{"name": "vat", "position": [0, 0, 0.15],
+                 "shape": {"type": "box", "size": [0.4, 0.2, 0.3], "open": ["+z"]}}],
+      "domain": {"min": [-0.5, -0.5, -0.2], "max": [0.5, 0.5, 0.6]}
+    }
+  })");
+}
+json& fill_of(json& scene) {
+  return scene["sph"]["liquids"][0]["fill"];
+}
+json box_wall(const char* name, Vec3d position, Vec3d size) {
+  return {{"name", name},
+          {"position", {position.x, position.y, position.z}},
+          {"shape", {{"type", "box"}, {"size", {size.x, size.y, size.z}}}}};
+}
+
+sph::LiquidState particles(const json& scene) {
+  const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+  scene::validate(parsed, "vat.json");
+  return sph::start_of_liquid(parsed, {});
+}
+std::string refusal(const json& scene) {
+  return error_of([&] { particles(scene); });
+}
+
+void expect_start(const char* what, double expected, double measured, double tolerance) {
+  std::printf("%s: expected %.8g, measured %.8g, tolerance %.3g\n", what, expected, measured, tolerance);
+  EXPECT_NEAR(measured, expected, tolerance) << what;
+}
+
+TEST(LiquidStart, TheInsideOfAWallIsFilledUpToALevelOrByAVolume) {
+  const sph::LiquidState by_level = particles(vat());
+  expect_start("particles below the level", 20 * 10 * 8, static_cast<double>(by_level.size()), 0);
+  json scene = vat();
+  fill_of(scene)[0].erase("level");
+  fill_of(scene)[0]["volume"] = 0.4 * 0.2 * 0.16;
+  const sph::LiquidState by_volume = particles(scene);
+  ASSERT_EQ(by_volume.size(), by_level.size());
+  double apart = 0;
+  for (std::size_t i = 0; i < by_level.size(); ++i)
+    apart = std::max(apart, norm(by_volume.position[i] - by_level.position[i]));
+  expect_start("largest distance of a particle filled by volume [m]", 0, apart, 1e-12);
+  // A box of the same size is the same liquid.
+  fill_of(scene)[0] = {{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0.2, 0.1, 0.16}}};
+  const sph::LiquidState box = particles(scene);
+  ASSERT_EQ(box.size(), by_level.size());
+  double sum = 0, of_box = 0;
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    sum += by_level.compression[i];
+    of_box += box.compression[i];
+  }
+  expect_start("sum of the compressions", of_box, sum, 1e-9 * of_box);
+}
+
+TEST(LiquidStart, TheLevelIsAgainstGravityFromTheOrigin) {
+  json scene = vat();
+  scene["sph"]["walls"][0]["position"][2] = 0.25;
+  fill_of(scene)[0]["level"] = 0.26;
+  expect_start("particles in a vat that is 0.1 m higher", 1600, static_cast<double>(particles(scene).size()), 0);
+}
+
+TEST(LiquidStart, AClosedWallInTheLiquidIsLeftOut) {
+  json scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("block", {0, 0, 0.06}, {0.08, 0.08, 0.04}));
+  const sph::LiquidState state = particles(scene);
+  expect_start("particles beside a block of 32", 1600 - 32, static_cast<double>(state.size()), 0);
+  for (const Vec3d& x : state.position)
+    EXPECT_FALSE(std::fabs(x.x) < 0.04 && std::fabs(x.y) < 0.04 && std::fabs(x.z - 0.06) < 0.02);
+  // By volume the block raises the level.
+  fill_of(scene)[0].erase("level");
+  fill_of(scene)[0]["volume"] = 0.4 * 0.2 * 0.16;
+  const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+  expect_start("depth by volume [m]", 0.16 + 32 * std::pow(0.02, 3) / (0.4 * 0.2),
+               sph::insides_of(parsed, {}).at(0).depth, 1e-9);
+}
+
+TEST(LiquidStart, RefusesFillsThatAreNotInTheWall) {
+  json scene = vat();
+  fill_of(scene)[0]["level"] = 0.35;
+  EXPECT_EQ(refusal(scene),
+            "scene: sph.liquids[0].fill[0]: the level of 0.35 m is not in wall 'vat', which is from 0 to 0.3 m "
+            "against gravity (give a level between them)");
+  fill_of(scene)[0].erase("level");
+  fill_of(scene)[0]["volume"] = 1;
+  EXPECT_EQ(refusal(scene),
+            "scene: sph.liquids[0].fill[0]: a volume of 1 m3 in a region of 0.024 m3 (give a volume above 0 and "
+            "of at most that of the region)");
+  scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("post", {0, 0, 0.05}, {0.04, 0.04, 0.2}));
+  EXPECT_EQ(refusal(scene),
+            "scene: sph.liquids[0].fill[0]: wall 'post' passes through wall 'vat' below the level (let it end "
+            "there, or fill boxes)");
+  scene = vat();
+  fill_of(scene).push_back({{"type", "box"}, {"min", {0, 0, 0.1}}, {"max", {0.1, 0.1, 0.2}}});
+  EXPECT_THAT(refusal(scene), HasSubstr("sph.liquids[0].fill[0]: another fill is in it as well, at"));
+}
+
+TEST(LiquidStart, RefusesABoxThroughWhichAWallPasses) {
+  json scene = vat();
+  fill_of(scene)[0] = {{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0.26, 0.1, 0.16}}};
+  EXPECT_THAT(refusal(scene), HasSubstr("sph.liquids[0].fill[0]: wall 'vat' passes through the box, between"));
+  // A sheet between two boxes has liquid on both sides.
+  scene = vat();
+  json sheet = box_wall("sheet", {0, 0, 0.15}, {0.1, 0.2, 0.3});
+  sheet["shape"]["open"] = {"-x", "+y", "-y", "+z", "-z"};  // the face at x = 0 is left
+  sheet["position"][0] = -0.05;
+  scene["sph"]["walls"].push_back(sheet);
+  fill_of(scene) = json::array({{{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0, 0.1, 0.16}}},
+                                {{"type", "box"}, {"min", {0, -0.1, 0}}, {"max", {0.2, 0.1, 0.16}}}});
+  EXPECT_EQ(refusal(scene), "no error");
+}
+
+TEST(LiquidStart, RefusesASpeedOfSoundThatIsTooLow) {
+  json scene = vat();
+  scene["sph"]["liquids"][0]["sound_speed"] = 2;
+  EXPECT_EQ(refusal(scene),
+            "scene: sph.liquids[0].sound_speed: with a speed of sound of 2 m/s the liquid, 0.16 m deep, is "
+            "compressed by 0.22 at its bottom by its own weight (limit 0.03) (leave it out and give "
+            "expected_speed, or give 12.5 m/s or more)");
+  scene["sph"]["liquids"][0]["sound_speed"] = 20;
+  scene["sph"]["liquids"][0]["velocity"] = {3, 0, 0};
+  EXPECT_EQ(refusal(scene),
+            "scene: sph.liquids[0].sound_speed: the liquid starts with 3 m/s, 0.15 of the speed of sound of 20 "
+            "m/s (limit 0.1) (leave it out and give expected_speed, or give 30 m/s or more)");
+  scene["sph"]["liquids"][0].erase("sound_speed");
+  const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+  expect_start("speed of sound by the velocity at the start [m/s]", 30,
+               sph::prepare_start(parsed, {}).setup.liquid.sound_speed, 1e-9);
+}
+
+TEST(LiquidStart, FrictionIsThatOfThePair) {
+  json scene = vat();
+  const auto slip = [&] { return sph::prepare_start(scene::parse(scene.dump(), "vat.json"), {}).setup.slip; };
+  EXPECT_EQ(slip(), std::vector<bool>{false});
+  scene["sph"]["pairs"] = {{{"liquid", "water"}, {"body", "ground"}, {"wall_friction", "free_slip"}}};
+  EXPECT_EQ(slip(), std::vector<bool>{true});
+  scene["sph"]["wall_friction"] = "free_slip";
+  scene["sph"]["pairs"][0]["wall_friction"] = "no_slip";
+  EXPECT_EQ(slip(), std::vector<bool>{false});
+}
+
+TEST(LiquidStart, MemoryIsPredicted) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers allocate otherwise";
+#else
+  sph::LiquidStart start = sph::prepare_start(scene::parse(vat().dump(), "vat.json"), {});
+  json scene = vat();
+  scene["sph"]["spacing"] = 0.01;
+  for (const bool copy : {false, true}) {
+    const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+    start = sph::prepare_start(parsed, {});
+    start.setup.threads = 1;
+    const sph::LiquidState particles = sph::particles_of(start, parsed);
+    const auto used = [] {
+      const struct mallinfo2 now = mallinfo2();
+      return static_cast<double>(now.uordblks + now.hblkhd);
+    };
+    const double before = used();
+    const auto engine = sph::make_liquid_engine(start.setup, true);
+    engine->set_state(particles, start.poses);
+    engine->step(1e-6);
+    if (copy) engine->save();
+    const double predicted =
+        static_cast<double>(sph::predicted_bytes(particles.size(), start.setup.liquid, true, copy));
+    // What is there for a while only, the list of a thread while it is built, is in the prediction.
+    expect_start("memory in use / predicted", 0.7, (used() - before) / predicted, 0.3);
+  }
+#endif
+}
+
+// The vat as a body at rest, its floor a wall of its own.
+json sensed_vat() {
+  json scene = vat();
+  scene["mbd"]["bodies"] = {
+      {{"name", "vat"}, {"mass", 5}, {"inertia", {1, 1, 1}}, {"position", {0, 0, 0.1}}}};
+  json sides = box_wall("sides", {0, 0, 0.05}, {0.4, 0.2, 0.3}), floor = box_wall("floor", {0, 0, 0.05}, {0.4, 0.2, 0.3});
+  sides["shape"]["open"] = {"+z", "-z"};
+  floor["shape"]["open"] = {"+x", "-x", "+y", "-y", "+z"};
+  sides["body"] = floor["body"] = "vat";
+  scene["sph"]["walls"] = {sides, floor};
+  fill_of(scene)[0] = {{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0.2, 0.1, 0.16}}};
+  const json in_vat = {{"body", "vat"}};
+  const auto sensor = [&](json more) {
+    more.update(in_vat);
+    return more;
+  };
+  scene["sph"]["sensors"] = {
+      {{"type", "load"}, {"name", "floor_load"}, {"wall", "floor"}, {"position", {0.1, 0, -0.1}}, {"axis", {0, 1, 0}}},
+      sensor({{"type", "load"}, {"name", "all"}}),
+      sensor({{"type", "level"}, {"name", "gauge"}, {"position", {0.05, 0.02, -0.1}}}),
+      sensor({{"type", "pressure"}, {"name", "bottom"}, {"position", {0.03, 0.01, -0.1}}}),
+      sensor({{"type", "pressure"}, {"name", "side"}, {"position", {0.2, 0.03, -0.05}}}),
+      sensor({{"type", "region"}, {"name", "right"}, {"position", {0.1, 0, 0}},
+              {"shape", {{"type", "box"}, {"size", {0.2, 1, 1}}}}, {"flow", "x"}})};
+  return scene;
+}
+
+class SensedRun {
+ public:
+  explicit SensedRun(const json& scene) {
+    log::setup("test", "error");
+    protocol::Configuration c;
+    c.scene_text = scene.dump();
+    c.origin = "vat.json";
+    c.backend = "cpu";
+    c.threads = 1;
+    const scene::Scene parsed = scene::parse(c.scene_text, c.origin);
+    scene::validate(parsed, c.origin);
+    columns = scene::sensor_columns(parsed);
+    at_start = solver->configure(c).sensors;
+  }
+  const protocol::LoadSet& advance() {
+    protocol::MotionSet motion;
+    motion.window = {index, now, now + to_nanoseconds(0.002)};
+    protocol::BodyMotion& body = motion.bodies.emplace_back();
+    body.body = 0;
+    body.begin_pose = body.end_pose = Pose{{0, 0, 0.1}, {}};
+    ++index;
+    now = motion.window.end;
+    return solver->advance(motion);
+  }
+  std::unique_ptr<protocol::LoadSolver> solver = sph::make_solver();
+  std::vector<std::string> columns;
+  std::vector<double> at_start;
+  std::uint64_t index = 0;
+  Nanoseconds now;
+};
+
+TEST(LiquidSensors, MeasureAStillVat) {
+  SensedRun run(sensed_vat());
+  ASSERT_EQ(run.columns.size(), run.at_start.size());
+  const int settle = 100, windows = 50;
+  for (int i = 0; i < settle; ++i) run.advance();
+  std::map<std::string, double> mean;
+  Vec3d force, torque;
+  for (int i = 0; i < windows; ++i) {
+    const protocol::LoadSet& load = run.advance();
+    ASSERT_EQ(load.bodies.size(), 1u) << "one body, though its walls are apart";
+    ASSERT_EQ(load.sensors.size(), run.columns.size());
+    for (std::size_t k = 0; k < run.columns.size(); ++k) mean[run.columns[k]] += load.sensors[k] / windows;
+    force += (1.0 / windows) * load.bodies[0].mean.force;
+    torque += (1.0 / windows) * load.bodies[0].mean.torque;
+  }
+  const double weight = 1000 * 0.4 * 0.2 * 0.16 * 9.81;
+  expect_start("load on the floor [N]", -weight, mean["floor_load.force.z"], 0.03 * weight);
+  expect_start("load on the body", force.z, mean["all.force.z"], 1e-9 * weight);
+  expect_start("its torque about y", torque.y, mean["all.torque.y"], 1e-9 * weight);
+  // About a point at x = 0.1 the weight at x = 0 has the arm 0.1 m.
+  expect_start("torque of the floor about y [N m]", -0.1 * weight, mean["floor_load.torque.y"], 0.003 * weight);
+  expect_start("the same about the axis", mean["floor_load.torque.y"], mean["floor_load.axis_torque"],
+               1e-9 * weight);
+  expect_start("level above the floor [m]", 0.16, mean["gauge.level"], 0.15 * 0.02);
+  expect_start("pressure at the bottom [Pa]", 9810 * 0.16, mean["bottom.pressure"], 0.03 * 9810 * 0.16);
+  expect_start("pressure at a side", 9810 * 0.11, mean["side.pressure"], 0.03 * 9810 * 0.16);
+  expect_start("mass in the right half [kg]", 6.4, mean["right.mass"], 1e-9);
+  expect_start("volume there [m3]", 6.4e-3, mean["right.volume"], 0.01 * 6.4e-3);
+  expect_start("mass that passed [kg]", 0, mean["right.passed"], 0.01);
+}
+
+TEST(LiquidSensors, HaveTheSameBitsAfterARollback) {
+  SensedRun run(sensed_vat());
+  for (int i = 0; i < 5; ++i) run.advance();
+  run.solver->save();
+  const auto [index, now] = std::pair(run.index, run.now);
+  std::vector<std::vector<double>> first;
+  for (int i = 0; i < 5; ++i) first.push_back(run.advance().sensors);
+  run.solver->restore();
+  run.index = index, run.now = now;
+  for (const std::vector<double>& values : first) EXPECT_TRUE(run.advance().sensors == values);
+}
+
+// Sensors do not change the liquid.
+TEST(LiquidSensors, LeaveTheLiquidAsItIs) {
+  json without = sensed_vat();
+  without["sph"].erase("sensors");
+  SensedRun a(sensed_vat()), b(without);
+  for (int i = 0; i < 20; ++i) {
+    const Vec3d with = a.advance().bodies[0].mean.force, plain = b.advance().bodies[0].mean.force;
+    EXPECT_LT(norm(with - plain), 1e-9 * norm(plain));
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test
