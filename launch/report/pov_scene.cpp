@@ -12,12 +12,17 @@
 #include "launch/report/element_rods.hpp"
 #include "launch/report/tool.hpp"
 #include "launch/report/wireframe.hpp"
+#include "launch/results/body_meshes.hpp"
 
 namespace tandem::launch {
 namespace {
 
 // POV-Ray's tolerances are absolute: in its scene the eye is always this far from the target.
 constexpr double eye_distance = 10;
+
+// Transparency of the walls of the ground, and of its shapes of contact from their front.
+constexpr double clear_wall = 0.88, clear_front = 0.1;
+constexpr Vec3d ground_tint{0.72, 0.78, 0.84}, contact_ground_tint{0.62, 0.60, 0.56};
 
 // Writes in the units of POV-Ray's scene, whose origin is the target.
 class PovWriter {
@@ -33,6 +38,7 @@ class PovWriter {
   void spheres(const Frame& frame);
   void liquid(const LiquidSurface& surface);
   void surface(const Surface& surface, Vec3d tint, double clearness, double line);
+  void ground(const Surface& surface, Vec3d tint, double line);
   void elements(const std::vector<Rod>& rods);
   void rod(Vec3d a, Vec3d b, double radius, Vec3d colour);
   Vec3d local(Vec3d p) const { return scale_ * (p - view_.camera.target); }
@@ -40,6 +46,9 @@ class PovWriter {
  private:
   static std::string vector(Vec3d v) { return fmt::format("<{:.7g},{:.7g},{:.7g}>", v.x, v.y, v.z); }
   std::string point(Vec3d p) const { return vector(local(p)); }
+  void faces(const Surface& surface, const std::vector<std::array<std::uint32_t, 3>>& triangles, Vec3d tint,
+             double clearness);
+  void edges(const Surface& surface, Vec3d tint, double line);
   double length(double l) const { return scale_ * l; }
   // Few textures: POV-Ray keeps one for all objects that name it.
   static constexpr std::size_t shades = 64;
@@ -125,13 +134,18 @@ void PovWriter::liquid(const LiquidSurface& surface) {
   out_ << " } }\n";
 }
 
-void PovWriter::surface(const Surface& surface, Vec3d tint, double clearness, double line) {
+void PovWriter::faces(const Surface& surface, const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                      Vec3d tint, double clearness) {
+  if (triangles.empty()) return;
   out_ << "mesh2 { vertex_vectors { " << surface.mesh.vertices.size();
   for (const Vec3d& vertex : surface.mesh.vertices) out_ << ',' << point(vertex);
-  out_ << " } face_indices { " << surface.mesh.triangles.size();
-  for (const auto& [a, b, c] : surface.mesh.triangles) fmt::print(out_, ",<{},{},{}>", a, b, c);
+  out_ << " } face_indices { " << triangles.size();
+  for (const auto& [a, b, c] : triangles) fmt::print(out_, ",<{},{},{}>", a, b, c);
   fmt::print(out_, " }} pigment {{ srgbt <{:.3g},{:.3g},{:.3g},{:.3g}> }} finish {{ glass }}{} }}\n", tint.x,
              tint.y, tint.z, clearness, surface.fixed ? " no_shadow" : "");
+}
+
+void PovWriter::edges(const Surface& surface, Vec3d tint, double line) {
   out_ << "union {\n";
   for (const auto& [a, b] : feature_edges(surface.mesh)) {
     fmt::print(out_, "cylinder {{ {}, {}, {:.4g} }}\n", point(a), point(b), length(line));
@@ -141,6 +155,24 @@ void PovWriter::surface(const Surface& surface, Vec3d tint, double clearness, do
   fmt::print(out_,
              "pigment {{ srgb <{:.3g},{:.3g},{:.3g}> }} finish {{ ambient 0.5 diffuse 0.4 }} no_shadow }}\n",
              0.45 * tint.x, 0.45 * tint.y, 0.45 * tint.z);
+}
+
+void PovWriter::surface(const Surface& surface, Vec3d tint, double clearness, double line) {
+  faces(surface, surface.mesh.triangles, tint, clearness);
+  edges(surface, tint, line);
+}
+
+// What bodies roll on is solid from its front, and clear from behind: a room of planes shows what is in it.
+void PovWriter::ground(const Surface& surface, Vec3d tint, double line) {
+  std::vector<std::array<std::uint32_t, 3>> front, back;
+  for (const auto& triangle : surface.mesh.triangles) {
+    const Vec3d a = surface.mesh.vertices[triangle[0]], b = surface.mesh.vertices[triangle[1]],
+                c = surface.mesh.vertices[triangle[2]];
+    (dot(cross(b - a, c - a), view_.camera.eye - a) > 0 ? front : back).push_back(triangle);
+  }
+  faces(surface, front, tint, clear_front);
+  faces(surface, back, tint, clear_wall);
+  edges(surface, tint, line);
 }
 
 void PovWriter::elements(const std::vector<Rod>& rods) {
@@ -269,14 +301,18 @@ void write_pov(std::ostream& out, const Frame& frame, const scene::Scene& scene,
   const std::vector<LegendEntry> legend = body_legend(scene);
   for (const Surface& surface : frame.surfaces) {
     if (surface.mesh.triangles.empty()) continue;
-    Vec3d tint{0.72, 0.78, 0.84};
+    if (surface.name == contact_ground) {
+      pov.ground(surface, contact_ground_tint, 6e-4 * pov.size());
+      continue;
+    }
+    Vec3d tint = ground_tint;
     if (!surface.fixed) {
       const auto entry = std::ranges::find(legend, surface.name, &LegendEntry::name);
       tint = entry == legend.end() ? body_colour(0) : entry->colour;
     }
     // Particles inside a body show their colours through it, of spheres also at a lower clearness.
     const double of_body = frame.liquid_surface ? 0.8 : frame.has_particles() ? 0.55 : 0.4;
-    pov.surface(surface, tint, surface.fixed ? 0.88 : of_body, 6e-4 * pov.size());
+    pov.surface(surface, tint, surface.fixed ? clear_wall : of_body, 6e-4 * pov.size());
   }
   pov.elements(element_rods(scene, frame, pov.size()));
 

@@ -121,6 +121,77 @@ TriangleMesh walls_of(BodyId body, const scene::Scene& scene,
   return mesh;
 }
 
+// The space that surfaces take at the start, together with the domain of the particles.
+scene::Box space_of(const std::vector<BodyMesh>& all, const scene::Scene& scene) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  scene::Box box{{inf, inf, inf}, {-inf, -inf, -inf}};
+  if (scene.has_particles()) box = scene.domain();
+  for (const BodyMesh& body : all) {
+    const Pose pose = body.body == ground ? Pose{} : scene.mbd->bodies.at(body.body.value).pose;
+    for (const Vec3d& vertex : body.mesh.vertices) {
+      const Vec3d p = to_world(pose, vertex);
+      for (int i = 0; i < 3; ++i)
+        box.min[i] = std::min(box.min[i], p[i]), box.max[i] = std::max(box.max[i], p[i]);
+    }
+  }
+  return box;
+}
+
+// A rectangle of the plane that covers the projection of the box and a margin about it; empty where the plane
+// is far away.
+TriangleMesh plane_below(Vec3d point, Vec3d normal, const scene::Box& box) {
+  constexpr double margin = 0.25, farthest = 10;  // over the size of the box
+  const Vec3d middle = 0.5 * (box.min + box.max), half = 0.5 * (box.max - box.min);
+  const double size = norm(box.max - box.min), distance = dot(middle - point, normal);
+  if (!(std::abs(distance) < farthest * size)) return {};
+  // Along an axis of the world where the normal is across it.
+  const Vec3d helper = std::abs(normal.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = normalized(helper - dot(helper, normal) * normal), v = cross(normal, u);
+  const auto reach = [&](Vec3d along) {
+    return std::abs(along.x) * half.x + std::abs(along.y) * half.y + std::abs(along.z) * half.z +
+           margin * size;
+  };
+  const Vec3d centre = middle - distance * normal, a = reach(u) * u, b = reach(v) * v;
+  return {{centre - a - b, centre + a - b, centre + a + b, centre - a + b}, {{0, 1, 2}, {0, 2, 3}}};
+}
+
+// A plane in the world.
+struct Plane {
+  Vec3d point, normal;
+  Plane(const scene::PlaneShape& shape, const Pose& pose)
+      : point(to_world(pose, shape.point)), normal(normalized(pose.q_WB.rotate(shape.normal))) {}
+  bool operator==(const Plane& other) const {
+    constexpr double tiny = 1e-9;
+    return norm(normal - other.normal) < tiny &&
+           std::abs(dot(point - other.point, normal)) <= tiny * (norm(point) + norm(other.point));
+  }
+};
+
+bool is_wall(const Plane& plane, const scene::Scene& scene) {
+  return std::ranges::any_of(scene.walls(), [&](const scene::Wall& wall) {
+    const auto* shape = std::get_if<scene::PlaneShape>(&wall.shape);
+    return wall.body == ground && shape && Plane(*shape, wall.pose) == plane;
+  });
+}
+
+// `all`: everything else.
+void append_planes(const scene::Scene& scene, const std::vector<BodyMesh>& all, TriangleMesh& mesh) {
+  if (!scene.contact) return;
+  std::vector<BodyMesh> others = all;
+  others.push_back({ground, contact_ground, mesh});
+  const scene::Box space = space_of(others, scene);
+  // Two surfaces at the same place would be drawn by chance.
+  const double below = 1e-4 * norm(space.max - space.min);
+  for (const scene::Shape& shape : scene.contact->ground) {
+    const auto* given = std::get_if<scene::PlaneShape>(&shape.geometry);
+    if (!given) continue;
+    Plane plane(*given, shape.pose);
+    if (is_wall(plane, scene)) plane.point = plane.point - below * plane.normal;
+    append(mesh, scene.has_particles() ? plane_in_domain(plane.point, plane.normal, space)
+                                       : plane_below(plane.point, plane.normal, space));
+  }
+}
+
 }  // namespace
 
 TriangleMesh wall_mesh(const scene::Wall& wall, const scene::Scene& scene,
@@ -160,6 +231,14 @@ std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<p
       if (shape.body == BodyId{i}) append(mesh, shape.mesh);
     if (mesh.triangles.empty()) mesh = inertia_box(scene.mbd->bodies[i]);
     all.push_back({{i}, scene.mbd->bodies[i].name, std::move(mesh)});
+  }
+  TriangleMesh road;
+  for (const BodyMesh& shape : shapes)
+    if (shape.body == ground) append(road, shape.mesh);
+  append_planes(scene, all, road);
+  if (!road.triangles.empty()) {
+    const bool has_walls = !all.empty() && all.front().body == ground;
+    all.insert(all.begin() + (has_walls ? 1 : 0), {ground, contact_ground, std::move(road)});
   }
   return all;
 }

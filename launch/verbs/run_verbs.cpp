@@ -11,7 +11,6 @@
 #include "launch/verbs/options.hpp"
 #include "launch/verbs/verbs.hpp"
 
-
 namespace tandem::launch {
 namespace {
 

@@ -1,5 +1,5 @@
-// The verbs of the command `tandem`: each function adds one with its options to the parser, which calls what it does. `status`
-// becomes the exit status.
+// The verbs of the command `tandem`: each function adds one with its options to the parser, which calls what
+// it does. `status` becomes the exit status.
 #pragma once
 
 #include <CLI/App.hpp>

@@ -9,6 +9,7 @@
 #include "launch/report/camera.hpp"
 #include "launch/report/movie.hpp"
 #include "launch/report/preview.hpp"
+#include "launch/results/body_meshes.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -77,6 +78,20 @@ TEST(PovScene, IsTheSameWhereverTheSceneIs) {
     return out.str();
   };
   EXPECT_EQ(text({0, 0, 0}), text({4096, -2048, 1024}));
+}
+
+// Of a box about the eye's target, the faces towards the eye are solid and the others clear.
+TEST(PovScene, GroundOfContactIsSolidFromItsFront) {
+  Frame frame = with_box("rod\\", {});
+  frame.surfaces.push_back({contact_ground, true, box_mesh({2, 2, 2})});
+  std::ostringstream out;
+  write_pov(out, frame, two_bodies(), view_of({frame}));
+  const std::string text = out.str();
+  for (const char* clearness : {",0.1>", ",0.88>"}) {
+    const std::size_t at = text.find(clearness);
+    ASSERT_NE(at, std::string::npos) << clearness;
+    EXPECT_NE(text.rfind("face_indices { 6,", at), std::string::npos);
+  }
 }
 
 TEST(PovScene, StandsStillInAFilm) {

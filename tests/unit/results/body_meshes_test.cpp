@@ -121,6 +121,56 @@ TEST(BodyMeshes, ShapesAreDrawnWithTheWalls) {
   EXPECT_NEAR(area(drawn[2].mesh), 24, 1e-12);
 }
 
+// A box of 1 m stands on a plane of contact.
+scene::Scene on_plane_of_contact(Vec3d point, Vec3d normal) {
+  scene::Scene scene;
+  scene.mbd.emplace();
+  scene.mbd->bodies = {
+      {.name = "b", .mass = 6, .inertia = {1, 1, 1, 0, 0, 0}, .pose = {{0, 0, 0.5}, {}}, .twist = {}}};
+  scene.contact.emplace();
+  scene::Shape& plane = scene.contact->ground.emplace_back();
+  plane.name = "road", plane.use = scene::ShapeUse::contact;
+  plane.geometry = scene::PlaneShape{point, normal};
+  return scene;
+}
+
+// What bodies roll on is drawn: its shapes, and planes below everything else.
+TEST(BodyMeshes, ShapesOfContactOfTheGroundAreDrawn) {
+  auto scene = on_plane_of_contact({7, 3, 0}, {0, 0, 1});
+  const BodyMesh ramp{ground, "ramp", box_mesh({1, 1, 1})};
+  const auto meshes = body_meshes(scene, {}, {ramp});
+  ASSERT_EQ(meshes.size(), 2u);
+  EXPECT_EQ(meshes[0].name, contact_ground);
+  EXPECT_EQ(meshes[0].body, ground);
+  EXPECT_EQ(meshes[1].name, "b");
+  // Body and ramp take 1 x 1 x 1.5 m: a quarter of the diagonal is added on each side.
+  const double edge = 1 + 2 * 0.25 * std::sqrt(1 + 1 + 1.5 * 1.5);
+  EXPECT_NEAR(area(meshes[0].mesh), 6 + edge * edge, 1e-12);
+  for (std::size_t i = 8; i < meshes[0].mesh.vertices.size(); ++i)
+    EXPECT_NEAR(meshes[0].mesh.vertices[i].z, 0, 1e-12) << i;
+}
+
+TEST(BodyMeshes, PlanesOfContactFarAwayAreNotDrawn) {
+  EXPECT_EQ(body_meshes(on_plane_of_contact({0, 0, -10}, {0, 0, 1}), {}).size(), 2u);
+  EXPECT_EQ(body_meshes(on_plane_of_contact({0, 0, -30}, {0, 0, 1}), {}).size(), 1u);
+}
+
+// In the domain of the particles, 2 x 4 x 6 m here, and not at the same place.
+TEST(BodyMeshes, APlaneThatIsAWallAsWellIsDrawnBelowIt) {
+  auto scene = on_plane_of_contact({5, 0, 0}, {0, 0, 2});
+  scene.dem = plane_scene({0, 0, 0}, {0, 0, 1}).dem;
+  auto meshes = body_meshes(scene, {});
+  ASSERT_EQ(meshes.size(), 3u);
+  EXPECT_EQ(meshes[0].name, "ground");
+  EXPECT_EQ(meshes[1].name, contact_ground);
+  EXPECT_NEAR(area(meshes[1].mesh), 2 * 4, 1e-12);
+  for (const Vec3d& v : meshes[1].mesh.vertices) EXPECT_NEAR(v.z, -1e-4 * std::sqrt(4 + 16 + 36), 1e-12);
+  scene.contact->ground[0].geometry = scene::PlaneShape{{0, 0, 0}, {1, 0, 0}};
+  meshes = body_meshes(scene, {});
+  EXPECT_NEAR(area(meshes[1].mesh), 4 * 6, 1e-12);
+  for (const Vec3d& v : meshes[1].mesh.vertices) EXPECT_NEAR(v.x, 0, 1e-12);
+}
+
 TEST(BodyMeshes, MeshWallNeedsItsMesh) {
   auto scene = toy::machine();
   scene.dem->walls[0].shape = scene::MeshShape{"wheel.stl", 1};
