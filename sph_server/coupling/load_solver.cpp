@@ -212,7 +212,8 @@ void Solver::watch_energy() {
   const double energy = e.kinetic + e.compression;
   memory_.energy_residual = energy - memory_.energy_start - e.changes();
   double scale = energy;
-  for (const double change : {e.gravity, e.viscosity, e.bulk_viscosity, e.diffusion, e.ghost, e.walls})
+  for (const double change :
+       {e.gravity, e.viscosity, e.bulk_viscosity, e.diffusion, e.cavitation, e.ghost, e.repulsion, e.walls})
     scale += std::abs(change);
   memory_.energy_scale = std::max(memory_.energy_scale, scale);
 }
@@ -321,9 +322,9 @@ protocol::Report Solver::report() {
   others["particle_steps"] = particles_ * memory_.micro_steps;
   others["energy_J"] = {{"kinetic", e.kinetic}, {"compression", e.compression}};
   others["work_J"] = {
-      {"gravity", e.gravity},     {"viscosity", e.viscosity}, {"bulk_viscosity", e.bulk_viscosity},
-      {"diffusion", e.diffusion}, {"ghost", e.ghost},         {"walls", e.walls},
-      {"edges", e.edges}};
+      {"gravity", e.gravity},     {"viscosity", e.viscosity},   {"bulk_viscosity", e.bulk_viscosity},
+      {"diffusion", e.diffusion}, {"cavitation", e.cavitation}, {"ghost", e.ghost},
+      {"repulsion", e.repulsion}, {"walls", e.walls},           {"edges", e.edges}};
   return {protocol::encode_facts(facts, others)};
 }
 

@@ -12,6 +12,7 @@
 #include "common/geometry/mass_properties.hpp"
 #include "common/scene/fault.hpp"
 #include "particles/geometry/touch_facet.hpp"
+#include "particles/io/random.hpp"
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/neighbours/walls.hpp"
@@ -141,8 +142,8 @@ struct Frame {
 };
 
 struct Site {
-  double gap = 0;  // to the nearest wall or to the level [m]
-  std::size_t number = 0;
+  double gap = 0;           // to the nearest wall, in whole millionths of a spacing [m]
+  std::uint64_t order = 0;  // among equal gaps
   Vec3d x;
 };
 
@@ -207,7 +208,7 @@ class Filler {
   }
 
   double gap_at(Vec3d x) const {
-    double gap = level_ - dot(x, up());
+    double gap = setup_.liquid.support();
     NearWalls near;
     walls_.find(x, setup_.liquid.support(), near);
     for (int k = 0; k < near.count; ++k) {
@@ -221,23 +222,29 @@ class Filler {
   }
 
   // Sites of a cubic lattice of spacing a in the region and below the level, those furthest from walls first.
-  // The first layers are half a spacing from the bounds of the region.
+  // The first layers are half a spacing from the bounds of the region; layers are evenly spaced up to the
+  // level.
   std::vector<Site> sites(double a) const {
     std::vector<Site> found;
+    dem::Random random(1);
     std::int64_t n[3];
-    for (int k = 0; k < 3; ++k) n[k] = static_cast<std::int64_t>(std::ceil((high_[k] - low_[k]) / a));
-    for (std::int64_t z = 0; z < n[2] && low_[2] + (static_cast<double>(z) + 0.5) * a < level_; ++z)
+    for (int k = 0; k < 2; ++k) n[k] = static_cast<std::int64_t>(std::ceil((high_[k] - low_[k]) / a));
+    n[2] = std::max(std::int64_t{1}, static_cast<std::int64_t>(std::llround((level_ - low_[2]) / a)));
+    const double edge[3] = {a, a, (level_ - low_[2]) / static_cast<double>(n[2])};
+    for (std::int64_t z = 0; z < n[2]; ++z)
       for (std::int64_t y = 0; y < n[1]; ++y)
         for (std::int64_t x = 0; x < n[0]; ++x) {
           Vec3d at;
           const std::int64_t index[3] = {x, y, z};
           for (int k = 0; k < 3; ++k)
-            at += (low_[k] + (static_cast<double>(index[k]) + 0.5) * a) * frame_.axis[k];
+            at += (low_[k] + (static_cast<double>(index[k]) + 0.5) * edge[k]) * frame_.axis[k];
           if (winding_number(region_, at) < 0.5) continue;
-          found.push_back({gap_at(at), found.size(), at});
+          // Sites of equal gaps are left out here and there, not layer by layer.
+          const double quantum = 1e-6 * setup_.liquid.spacing;
+          found.push_back({quantum * std::nearbyint(gap_at(at) / quantum), random.bits(), at});
         }
     std::ranges::sort(found, [](const Site& p, const Site& q) {
-      return p.gap != q.gap ? p.gap > q.gap : p.number < q.number;
+      return p.gap != q.gap ? p.gap > q.gap : p.order < q.order;
     });
     return found;
   }
@@ -245,11 +252,15 @@ class Filler {
   std::vector<Site> packed() const {
     const Liquid& l = setup_.liquid;
     std::vector<Site> start;
-    for (double part = 0.97; start.size() < wanted_; part -= 0.02) {
-      if (part < 0.5)
-        refuse("a region that is narrower than a spacing of the liquid", "take a smaller spacing");
-      start = sites(part * l.spacing);
+    // The lattice of which fewest sites have to be left out: what lacks beside walls or below the level has
+    // to be filled by motion.
+    for (double part = 1.05; part > 0.5 && (start.size() < wanted_ || part > 0.9); part -= 0.01) {
+      std::vector<Site> found = sites(part * l.spacing);
+      if (found.size() >= wanted_ && (start.size() < wanted_ || found.size() < start.size()))
+        start = std::move(found);
     }
+    if (start.size() < wanted_)
+      refuse("a region that is narrower than a spacing of the liquid", "take a smaller spacing");
     start.resize(wanted_);
     LiquidSetup packing = setup_;
     packing.liquid.shifting = 0;
@@ -264,12 +275,15 @@ class Filler {
     }
     const auto engine = make_liquid_engine(packing, true);
     engine->set_state(state, poses);
-    const double dt = step_limits(l, 0.5 * l.sound_speed, 0).smallest,
-                 pressure = l.density * norm(l.gravity) * (level_ - low_[2]);
-    constexpr int chunk = 100, most = 3000;
+    // As high as the step allows: the time to come to rest falls with it.
+    const double dt = step_limits(l, l.sound_speed, 0).smallest,
+                 pressure = 0.04 * l.density * l.sound_speed * l.sound_speed;
+    // What remains of the forces, divided by those of a surface without a lid [-].
+    constexpr double at_rest_below = 0.005;
+    constexpr int chunk = 50, most = 2000;
     for (int steps = 0; steps < most; steps += chunk) {
       engine->pack(pressure, dt, 0.95, chunk);
-      if (engine->figures().largest_speed * dt < 1e-5 * l.spacing) break;
+      if (engine->figures().largest_acceleration < at_rest_below * pressure / (l.density * l.spacing)) break;
     }
     if (engine->figures().passed_walls > 0)
       refuse(std::to_string(engine->figures().passed_walls) +

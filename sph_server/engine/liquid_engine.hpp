@@ -44,14 +44,18 @@ struct EnergyBalance {
   double viscosity = 0;       // of viscosity in the liquid and at walls, negative
   double bulk_viscosity = 0;  // negative
   double diffusion = 0;       // of density diffusion
+  double cavitation = 0;      // of the tension that spray does not bear, and of its return to rest
   // Of the gradient of the pressure of the ghost liquid behind walls, relative to the walls. Walls at rest
   // exchange it with the liquid and keep none of it over a cycle.
   double ghost = 0;
-  double walls = 0;  // of moving walls on the liquid
+  double repulsion = 0;  // of the repulsion by walls within a quarter of a spacing, likewise
+  double walls = 0;      // of moving walls on the liquid
   // Work on bodies of the loads that they exchange at common edges; it is no energy of the liquid, and zero
   // where these bodies do not move apart.
   double edges = 0;
-  double changes() const { return gravity + viscosity + bulk_viscosity + diffusion + ghost + walls; }
+  double changes() const {
+    return gravity + viscosity + bulk_viscosity + diffusion + cavitation + ghost + repulsion + walls;
+  }
 };
 
 struct StepFigures {

@@ -54,6 +54,7 @@ class LiquidEngineOf final : public LiquidEngine {
     rates_.pairs.pair = PairConstants<Real>::of(setup.liquid);
     rates_.walls.centres = centres_;
     rates_.walls.wall = WallConstants::of(setup.liquid);
+    rates_.walls.repulsion = WallRepulsion::of(setup.liquid);
     rates_.walls.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     rates_.walls.mass = setup.liquid.mass();
     rates_.walls.spacing = setup.liquid.spacing;
@@ -83,6 +84,9 @@ class LiquidEngineOf final : public LiquidEngine {
     set_quanta(n);
     built_at_.clear();
     rebuild();
+    // The tension that particles bear follows from what fills their kernels.
+    sum_rates();
+    for (std::uint32_t i = 0; i < n; ++i) advance_.update_state(i);
     sum_rates();
     // The first step has no step before it.
     acceleration_[1] = acceleration_[0];
@@ -184,7 +188,9 @@ class LiquidEngineOf final : public LiquidEngine {
     e.viscosity = of(Power::viscosity);
     e.bulk_viscosity = of(Power::bulk_viscosity);
     e.diffusion = of(Power::diffusion);
+    e.cavitation = of(Power::cavitation);
     e.ghost = of(Power::ghost);
+    e.repulsion = of(Power::repulsion);
     e.walls = of(Power::walls);
     e.edges = of(Power::edges);
     return e;
@@ -241,6 +247,7 @@ class LiquidEngineOf final : public LiquidEngine {
     visit("fine", e.fine_);
     visit("pressure_volume", e.state_);
     visit("slope", e.slope_);
+    visit("filled", e.filled_);
     if constexpr (shifting) visit("shift", e.shift_);
     visit("compression", e.compression_);
     visit("acceleration", e.acceleration_[0]);
@@ -352,6 +359,7 @@ class LiquidEngineOf final : public LiquidEngine {
       rate_[side].assign(n, 0.0);
     }
     slope_.assign(n, {});
+    filled_.assign(n, 1.0f);
     liquid_.count = static_cast<std::uint32_t>(n);
     liquid_.position = position_.data();
     liquid_.velocity = velocity_.data();
@@ -359,6 +367,7 @@ class LiquidEngineOf final : public LiquidEngine {
     liquid_.state = state_.data();
     liquid_.compression = compression_.data();
     liquid_.slope = slope_.data();
+    liquid_.filled = filled_.data();
     if constexpr (shifting) {
       shift_.assign(n, {});
       liquid_.shift = shift_.data();
@@ -453,6 +462,7 @@ class LiquidEngineOf final : public LiquidEngine {
   std::vector<dem::FinePart<Real>> fine_;
   std::vector<ParticleState<Real>> state_;
   std::vector<Vec3<Real>> slope_, shift_;
+  std::vector<float> filled_;
   std::vector<double> compression_;
   std::vector<Vec3d> acceleration_[2];
   std::vector<double> rate_[2];

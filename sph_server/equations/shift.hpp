@@ -22,30 +22,26 @@ struct Crowding {};
 template <class Real>
 struct Crowding<Real, true> {
   Vec3<Real> gradient;   // of the concentration of particles, with the factor above [1/m]
-  Real filled = 0;       // sum of V_j W [-]
   Real deformation = 0;  // s [1/s]
 
-  // continuity: the term of this pair.
-  TANDEM_HD void add(const PairConstants<Real>& c, Vec3<Real> d, Real r2, Real volume, Real continuity) {
+  // value: of the kernel; continuity: the term of this pair.
+  TANDEM_HD void add(const PairConstants<Real>& c, Vec3<Real> d, Real r2, Real value, Real volume,
+                     Real continuity) {
     using std::fabs;
     using std::sqrt;
-    const Real r = sqrt(r2), value = c.kernel.value(r), ratio = value * c.inverse_near,
-               ratio2 = ratio * ratio;
+    const Real ratio = value * c.inverse_near, ratio2 = ratio * ratio;
     const Real factor = 1 + static_cast<Real>(0.2) * (ratio2 * ratio2);
-    gradient += (volume * c.kernel.gradient_by_distance(r) * factor) * d;
-    filled += volume * value;
+    gradient += (volume * c.kernel.gradient_by_distance(sqrt(r2)) * factor) * d;
     deformation += fabs(continuity);
   }
 };
 
-// Velocity of the shift [m/s]. surface, shadow: sums over the facets of S n and of B, the part of the
-// ghosts. Near a free surface, where the kernel is not filled, there is no shift: the gradient is that of the
-// surface.
+// Velocity of the shift [m/s]. surface: sum over the facets of S n, the part of the ghosts. Near a free
+// surface, where the kernel is not filled, there is no shift: the gradient is that of the surface.
 template <class Real>
-TANDEM_HD Vec3<Real> shift_velocity(const Liquid& l, const Crowding<Real, true>& crowding, double volume,
-                                    Vec3d surface, double shadow) {
-  const double R = l.support(), peak = Kernel<double>::of_support(R).peak;
-  const double filled = static_cast<double>(crowding.filled) + volume * peak + shadow;
+TANDEM_HD Vec3<Real> shift_velocity(const Liquid& l, const Crowding<Real, true>& crowding, Vec3d surface,
+                                    double filled) {
+  const double R = l.support();
   const double inside = (filled - shift_begins) / (shift_is_whole - shift_begins);
   if (!(inside > 0)) return {};
   const double part = inside < 1 ? inside : 1;

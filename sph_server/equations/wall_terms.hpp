@@ -4,8 +4,11 @@
 // (kernel/facet_integrals.hpp).
 #pragma once
 
+#include <cmath>
+
 #include "common/math/rotation.hpp"
 #include "sph_server/equations/liquid.hpp"
+#include "sph_server/equations/spray.hpp"
 #include "sph_server/kernel/facet_integrals.hpp"
 
 namespace tandem::sph {
@@ -65,6 +68,31 @@ TANDEM_HD inline Vec3d shear_of_turning(const WallConstants& c, const FacetInteg
 TANDEM_HD inline Vec3d ghost_gradient(const WallConstants& c, const FacetIntegrals& f, Vec3d n, Vec3d a,
                                       double volume) {
   return (volume * c.density * c.inverse_mass) * (f.shadow * a - dot(f.moment, a) * n - f.sides * a);
+}
+
+TANDEM_HD inline Mat3d product(const Mat3d& A, const Mat3d& B) {
+  Mat3d C;
+  for (int a = 0; a < 3; ++a)
+    C.row[a] = A.row[a].x * B.row[0] + A.row[a].y * B.row[1] + A.row[a].z * B.row[2];
+  return C;
+}
+TANDEM_HD inline double norm(const Mat3d& A) {
+  return std::sqrt(norm2(A.row[0]) + norm2(A.row[1]) + norm2(A.row[2]));
+}
+
+// Share of M that is taken: all of it in a liquid. Spray has no neighbours that would represent a gradient;
+// behind it ghosts have its pressure. In tips and slots with hardly a neighbour I + M would be nearly
+// singular: there the spectral radius of M is bounded, so that no acceleration grows more than tenfold.
+// neighbours, filled: parts of the kernel that neighbours fill, and that everything fills [-].
+TANDEM_HD inline double ghost_share(double neighbours, double filled, const Mat3d& missing) {
+  constexpr double one_neighbour = 0.05, most = 0.9;
+  double share = tension_share(filled);
+  if (neighbours < one_neighbour) share *= neighbours / one_neighbour;
+  if (share * norm(missing) <= most) return share;
+  // From above, and by 7 % at most: the eighth root of the norm of M^8.
+  const Mat3d m2 = product(missing, missing), m4 = product(m2, m2);
+  const double size = std::sqrt(std::sqrt(std::sqrt(norm(product(m4, m4)))));
+  return share * size > most ? most / size : share;
 }
 
 // The solution x of A x = b; A is regular.

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "sph_server/kernel/facet_integrals.hpp"
 #include "sph_server/kernel/visible_part.hpp"
 
 namespace tandem::sph {
 
-// Facet: has corners a, b, c, a unit `normal`, `body` and `beyond`, see neighbours/walls_view.hpp. Facets:
-// `count` of them in `facet`. overflow becomes true where a facet falls into too many parts.
+// Facets: has `most`. Facet: has corners a, b, c, a unit `normal`, `body` and `beyond`, see
+// neighbours/walls_view.hpp. Facets: `count` of them in `facet`. overflow becomes true where a facet falls
+// into too many parts.
 template <class Facets>
 TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, const WallKernel& kernel,
                                         bool& overflow) {
@@ -26,16 +28,20 @@ TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, cons
     const Vec3d away = height > 0 ? -g.normal : g.normal;
     return reaches_beyond(whole, g.a, away, tolerance);
   };
-  int other = 0;
-  while (other < near.count && (other == k || !may_hide(near.facet[other]))) ++other;
-  if (other == near.count) return facet_integrals(x, corner, 3, f.normal, kernel);
+  const auto shadow = [&](int n) {
+    const auto& g = near.facet[n];
+    return Shadow::of(x, g.a, g.b, g.c, g.normal, tolerance);
+  };
+  dem::UninitialisedArray<std::uint8_t, Facets::most> hider;
+  static_assert(Facets::most <= 256);
+  int hiders = 0;
+  for (int n = 0; n < near.count; ++n)
+    if (n != k && may_hide(near.facet[n]) && shadow(n).meets(whole))
+      hider[hiders++] = static_cast<std::uint8_t>(n);
+  if (hiders == 0) return facet_integrals(x, corner, 3, f.normal, kernel);
   FacetIntegrals sum;
   const bool whole_sum = for_visible_parts(
-      whole, f.normal, x, kernel.R, near.count,
-      [&](int n) {
-        const auto& g = near.facet[n];
-        return n == k || !may_hide(g) ? Shadow{} : Shadow::of(x, g.a, g.b, g.c, g.normal, tolerance);
-      },
+      whole, f.normal, x, kernel.R, hiders, [&](int n) { return shadow(hider[n]); },
       [&](const Polygon& part) {
         sum += facet_integrals(x, part.corner.data(), part.count, f.normal, kernel);
       });

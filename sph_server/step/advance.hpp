@@ -6,7 +6,7 @@
 
 #include "particles/state/centre.hpp"
 #include "sph_server/equations/liquid.hpp"
-#include "sph_server/equations/state.hpp"
+#include "sph_server/equations/spray.hpp"
 #include "sph_server/step/arrays.hpp"
 
 namespace tandem::sph {
@@ -42,13 +42,14 @@ struct Advance {
     update_state(i);
   }
 
-  // Pressure and volume from the compression. The bulk viscosity takes the rate of the step before.
+  // Pressure and volume from the compression. The bulk viscosity and the bound on tension take the rate and
+  // the filled part of the step before.
   TANDEM_HD void update_state(std::uint32_t i) const {
     const Liquid& l = properties;
-    const double e = liquid.compression[i], c = l.sound_speed;
-    const double elastic = l.density * c * c * tait_pressure(e),
-                 bulk = l.bulk_viscosity * l.density * c * l.h() * liquid.rate[1][i] / (1 + e);
-    liquid.state[i].pressure = static_cast<Real>(packing_pressure > 0 ? packing_pressure : elastic + bulk);
+    const double e = liquid.compression[i],
+                 pressure = borne(elastic_pressure(l, e) + bulk_pressure(l, e, liquid.rate[1][i]),
+                                  tension_share(static_cast<double>(liquid.filled[i])));
+    liquid.state[i].pressure = static_cast<Real>(packing_pressure > 0 ? packing_pressure : pressure);
     liquid.state[i].volume = static_cast<Real>(l.mass() / (l.density * (1 + e)));
     liquid.state[i].slope = liquid.slope[i];
   }

@@ -12,7 +12,7 @@ namespace tandem::sph {
 // What neighbours read besides position and velocity. The radius of a position is not used.
 template <class Real>
 struct ParticleState {
-  Real pressure = 0;  // of the equation of state and of the bulk viscosity [Pa]
+  Real pressure = 0;  // of the equation of state and of the bulk viscosity, see equations/spray.hpp [Pa]
   Real volume = 0;    // m/rho [m3]
   Vec3<Real> slope;   // gradient of the pressure, in the step before [Pa/m]
 };
@@ -28,6 +28,7 @@ struct LiquidArrays {
   Vec3d* acceleration[2]{};                       // of this step and of the one before [m/s2] (count)
   double* rate[2]{};                              // of the compression, likewise [1/s] (count)
   Vec3<Real>* slope = nullptr;                    // gradient of the pressure, in this step [Pa/m] (count)
+  float* filled = nullptr;                        // part of the kernel, in this step [-] (count)
   Vec3<Real>* shift = nullptr;                    // velocity of the shift [m/s] (count), or null
   const std::uint32_t* start = nullptr;           // see NeighbourList (count + 1)
   const Neighbour* neighbour = nullptr;

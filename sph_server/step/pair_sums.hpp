@@ -27,6 +27,7 @@ struct PairSums {
   std::int64_t diffusion = 0;
   Vec3<Real> viscous;      // the part of the acceleration by viscosity [m/s2]
   Real viscous_power = 0;  // of viscosity, of both particles of a pair, divided by the mass [W/kg]
+  Real filled = 0;         // sum of V_j W: part of the kernel that neighbours fill [-]
   Crowding<Real, shifting> crowding;
 };
 
@@ -39,6 +40,7 @@ struct SumPairs {
   Quanta quanta;
 
   TANDEM_HD PairSums<Real, shifting> operator()(std::uint32_t i) const {
+    using std::sqrt;
     PairSums<Real, shifting> sum;
     const Seen<Real> self = liquid.seen(i);
     const dem::PositionRadius<Real> here = liquid.position[i];
@@ -51,6 +53,7 @@ struct SumPairs {
       if (r2 >= pair.support2) continue;
       const Seen<Real> other = liquid.seen(j);
       const PairTerms<Real> t = pair_terms(pair, d, r2, self, other);
+      const Real value = pair.kernel.value(sqrt(r2));
       const Vec3<Real> force = t.pressure + t.viscous;
       for (int a = 0; a < 3; ++a)
         sum.acceleration[a] += dem::to_fixed(static_cast<double>(force[a]), quanta.acceleration);
@@ -58,7 +61,8 @@ struct SumPairs {
       sum.diffusion += dem::to_fixed(static_cast<double>(t.diffusion), quanta.rate);
       sum.viscous += t.viscous;
       sum.viscous_power += dot(t.viscous, self.v - other.v);
-      if constexpr (shifting) sum.crowding.add(pair, d, r2, other.volume, t.continuity);
+      sum.filled += other.volume * value;
+      if constexpr (shifting) sum.crowding.add(pair, d, r2, value, other.volume, t.continuity);
     }
     return sum;
   }

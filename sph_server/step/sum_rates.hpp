@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "sph_server/equations/state.hpp"
+#include "sph_server/equations/spray.hpp"
 #include "sph_server/step/pair_sums.hpp"
 #include "sph_server/step/wall_sums.hpp"
 
@@ -27,32 +27,40 @@ struct SumRates {
     tally.add(Power::viscosity, 0.5 * mass * static_cast<double>(sum.viscous_power), quanta.power);
 
     Vec3d viscous = sum.viscous.template as<double>(), by_pressure = of(sum.acceleration) - viscous;
-    WallSums wall;
-    if (walls.walls.bodies > 0) {
-      wall = walls(i, by_pressure, tally, bodies);
-      for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
-      viscous += wall.viscous;
-      by_pressure = of(sum.acceleration) - viscous;
-    }
     const double compression = liquid.compression[i],
                  pressure = static_cast<double>(liquid.state[i].pressure),
                  volume = static_cast<double>(liquid.state[i].volume);
+    const auto neighbours = static_cast<double>(sum.filled);
+    double filled = neighbours + volume * static_cast<double>(pairs.pair.kernel.peak);
+    WallSums wall;
+    if (walls.walls.bodies > 0) {
+      wall = walls(i, by_pressure, neighbours, filled, tally, bodies);
+      filled += wall.shadow;
+      for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
+      viscous += wall.viscous;
+      by_pressure = of(sum.acceleration) - viscous - wall.repelled;
+    }
     const double by_motion = dem::from_fixed(sum.continuity + wall.continuity, quanta.rate),
                  by_diffusion = dem::from_fixed(sum.diffusion, quanta.rate);
-    const double elastic =
-        properties.density * properties.sound_speed * properties.sound_speed * tait_pressure(compression);
-    tally.add(Power::bulk_viscosity, -(pressure - elastic) * volume * by_motion, quanta.power);
-    tally.add(Power::diffusion, elastic * volume / (1 + compression) * by_diffusion, quanta.power);
+    const double by_closing = closing_rate(properties, compression, tension_share(filled));
+    const double elastic = elastic_pressure(properties, compression),
+                 bulk = bulk_pressure(properties, compression, liquid.rate[1][i]);
+    const double per_rate = elastic * volume / (1 + compression);
+    tally.add(Power::bulk_viscosity, -bulk * volume * by_motion, quanta.power);
+    tally.add(Power::diffusion, per_rate * by_diffusion, quanta.power);
+    // With the rounding of the pressure to what neighbours read.
+    tally.add(Power::cavitation, per_rate * by_closing - (pressure - elastic - bulk) * volume * by_motion,
+              quanta.power);
 
     const Vec3d v = dem::velocity_of(liquid.velocity[i], liquid.fine_part(i));
     const Vec3d acceleration = properties.gravity + of(sum.acceleration);
     tally.add(Power::gravity, mass * dot(properties.gravity, v), quanta.power);
     tally.observe(norm2(v), norm2(acceleration), std::fabs(compression));
     liquid.acceleration[0][i] = acceleration;
-    liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion;
+    liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion + by_closing;
+    liquid.filled[i] = static_cast<float>(filled);
     liquid.slope[i] = (-properties.density * by_pressure).template as<Real>();
-    if constexpr (shifting)
-      liquid.shift[i] = shift_velocity(properties, sum.crowding, volume, wall.surface, wall.shadow);
+    if constexpr (shifting) liquid.shift[i] = shift_velocity(properties, sum.crowding, wall.surface, filled);
   }
 
  private:

@@ -10,8 +10,18 @@ namespace tandem::sph {
 
 // Powers that change the energy of the liquid, each computed from its own forces, and that of loads which
 // bodies exchange at their common edges.
-enum class Power : std::uint8_t { gravity, viscosity, bulk_viscosity, diffusion, ghost, walls, edges };
-inline constexpr int powers = 7;
+enum class Power : std::uint8_t {
+  gravity,
+  viscosity,
+  bulk_viscosity,
+  diffusion,
+  cavitation,
+  ghost,
+  repulsion,
+  walls,
+  edges
+};
+inline constexpr int powers = 9;
 
 struct Tally {
   std::int64_t power[powers]{};

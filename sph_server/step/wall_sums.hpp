@@ -5,7 +5,10 @@
 #include <cstdint>
 
 #include "particles/base/fixed_point.hpp"
+#include "particles/geometry/touch_facet.hpp"
 #include "particles/state/centre.hpp"
+#include "sph_server/equations/spray.hpp"
+#include "sph_server/equations/wall_repulsion.hpp"
 #include "sph_server/equations/wall_terms.hpp"
 #include "sph_server/kernel/common_edge.hpp"
 #include "sph_server/kernel/seen_integrals.hpp"
@@ -40,9 +43,9 @@ struct BodySum {
 
 // Added to the sums over neighbours, and to the tally.
 struct WallSums {
-  std::int64_t acceleration[3]{};  // by the pressure of particles and ghosts, and by viscosity, in quanta
+  std::int64_t acceleration[3]{};  // by pressure, viscosity and repulsion, in quanta
   std::int64_t continuity = 0;     // in quanta
-  Vec3d viscous;                   // the part of the acceleration by viscosity [m/s2]
+  Vec3d viscous, repelled;         // the parts of the acceleration by viscosity and by repulsion [m/s2]
   Vec3d surface;                   // sum of S n: gradient of the concentration of ghosts [1/m]
   double shadow = 0;               // sum of B [-]
 };
@@ -53,6 +56,7 @@ struct SumWalls {
   dem::CentreUnit<Real> centres;
   WallsView walls;
   WallConstants wall;
+  WallRepulsion repulsion;
   WallKernel kernel;
   Quanta quanta;
   double mass = 0;        // of a particle [kg]
@@ -73,10 +77,11 @@ struct SumWalls {
     bool seen;
   };
 
-  // pressed: acceleration of the particle by the pressure of its neighbours [m/s2]. bodies: sums of the
-  // thread.
+  // pressed: acceleration of the particle by the pressure of its neighbours [m/s2]; neighbours, filled: parts
+  // of the kernel that they fill, and that they and the particle fill [-]. bodies: sums of the thread.
   template <class Bodies>
-  TANDEM_HD WallSums operator()(std::uint32_t i, Vec3d pressed, Tally& tally, Bodies& bodies) const {
+  TANDEM_HD WallSums operator()(std::uint32_t i, Vec3d pressed, double neighbours, double filled,
+                                Tally& tally, Bodies& bodies) const {
     WallSums sum;
     const dem::FinePart<Real> fine = liquid.fine_part(i);
     const Particle p{
@@ -87,11 +92,13 @@ struct SumWalls {
     if (near.count == 0) return sum;
     dem::UninitialisedArray<SeenFacet, NearWalls::most> facet;
     bool overflow = near.overflow, of_one_body = true;
-    Mat3d represented = Mat3d::identity();
+    Mat3d missing;  // M of ghost_gradient
     const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
+    Nearest nearest;
     for (int k = 0; k < near.count; ++k) {
       SeenFacet& s = facet[k];
       const NearFacet& f = near.facet[k];
+      nearest.take(f, p.x, repulsion.range);
       s.integrals = seen_integrals(p.x, near, k, kernel, overflow);
       s.seen = s.integrals.surface != 0 || s.integrals.shadow != 0;
       of_one_body = of_one_body && f.body == near.facet[0].body;
@@ -112,12 +119,15 @@ struct SumWalls {
       pressed += t.pressure;
       tally.add(Power::viscosity, mass * dot(t.viscous, p.v - s.v_wall), quanta.power);
       for (int a = 0; a < 3; ++a) {
-        represented.row[a] += of_ghosts * (s.normal[a] * s.integrals.moment + s.integrals.sides.row[a]);
-        represented.row[a][a] -= of_ghosts * s.integrals.shadow;
+        missing.row[a] += of_ghosts * (s.normal[a] * s.integrals.moment + s.integrals.sides.row[a]);
+        missing.row[a][a] -= of_ghosts * s.integrals.shadow;
       }
     }
     tally.crowded_by_facets += overflow ? 1 : 0;
-    const Vec3d by_pressure = continued ? solved(represented, pressed) : Vec3d{};
+    const double share = continued ? ghost_share(neighbours, filled + sum.shadow, missing) : 0;
+    Mat3d represented = Mat3d::identity();
+    for (int a = 0; a < 3; ++a) represented.row[a] += share * missing.row[a];
+    const Vec3d by_pressure = share * solved(represented, pressed);
     for (int k = 0; k < near.count; ++k) {
       const SeenFacet& s = facet[k];
       if (!s.seen) continue;
@@ -135,11 +145,43 @@ struct SumWalls {
       tally.add(Power::ghost, mass * dot(ghost, p.v - s.v_wall), quanta.power);
       tally.add(Power::walls, mass * dot(total, s.v_wall), quanta.power);
     }
+    if (nearest.distance < repulsion.range) repel(p, nearest, sum, tally, bodies);
     if (!of_one_body) add_common_edges(p, near, facet.data(), by_pressure, tally, bodies);
     return sum;
   }
 
  private:
+  // The nearest point of all facets within a range.
+  struct Nearest {
+    double distance = 1e300;  // [m]
+    Vec3d point, normal;      // towards the particle [m], [-]
+    std::uint32_t body = 0;
+
+    TANDEM_HD void take(const NearFacet& f, Vec3d x, double range) {
+      dem::WallContact contact;
+      const dem::Facet facet{f.a, f.b, f.c, f.normal};
+      if (!dem::touch_triangle(facet, x, range, contact) || contact.gap + range >= distance) return;
+      distance = contact.gap + range;
+      point = contact.point;
+      normal = contact.normal;
+      body = f.body;
+    }
+  };
+
+  template <class Bodies>
+  TANDEM_HD void repel(const Particle& p, const Nearest& nearest, WallSums& sum, Tally& tally,
+                       Bodies& bodies) const {
+    const Vec3d push =
+        dem::rounded(repulsion.acceleration(nearest.distance) * nearest.normal, quanta.acceleration);
+    const dem::BodyPose& pose = walls.pose[nearest.body];
+    const Vec3d v_wall = pose.v + cross(pose.w, nearest.point - pose.p);
+    for (int a = 0; a < 3; ++a) sum.acceleration[a] += dem::to_fixed(push[a], quanta.acceleration);
+    sum.repelled = push;
+    bodies.add(nearest.body, -push, -mass * cross(nearest.point - pose.p, push), quanta);
+    tally.add(Power::repulsion, mass * dot(push, p.v - v_wall), quanta.power);
+    tally.add(Power::walls, mass * dot(push, v_wall), quanta.power);
+  }
+
   // Loads that the ghost liquid behind walls of two bodies passes from one to the other at their common
   // edges. The liquid does not notice them.
   template <class Bodies>

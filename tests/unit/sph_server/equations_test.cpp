@@ -4,8 +4,11 @@
 #include <cmath>
 
 #include "sph_server/equations/pair_terms.hpp"
+#include "sph_server/equations/spray.hpp"
 #include "sph_server/equations/state.hpp"
 #include "sph_server/equations/time_step.hpp"
+#include "sph_server/equations/wall_repulsion.hpp"
+#include "sph_server/equations/wall_terms.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace tandem::test {
@@ -45,6 +48,50 @@ TEST(PairTerms, AreAntisymmetricToTheBitAndConjugate) {
   // Diffusion moves mass from one to the other.
   EXPECT_NEAR(of_i.diffusion / j.volume, -of_j.diffusion / i.volume,
               1e-5 * std::fabs(of_i.diffusion / j.volume));
+}
+
+TEST(Spray, BearsNoTensionAndReturnsToRest) {
+  EXPECT_EQ(tension_share(0.124), 0) << "a particle alone";
+  EXPECT_EQ(tension_share(0.74), 1) << "a free surface";
+  EXPECT_NEAR(tension_share(0.525), 0.5, 1e-12);
+  EXPECT_EQ(borne(-100, 0.25), -25);
+  EXPECT_EQ(borne(100, 0.25), 100) << "pressure is borne by all";
+  Liquid l;
+  l.sound_speed = 30;
+  l.spacing = 0.01;
+  EXPECT_NEAR(closing_rate(l, -0.02, 0), 0.02 * 30 / (4 * 0.015), 1e-12);
+  EXPECT_EQ(closing_rate(l, -0.02, 1), 0);
+  EXPECT_EQ(closing_rate(l, 0.02, 0), 0);
+}
+
+TEST(WallRepulsion, StopsAQuarterOfTheSpeedOfSound) {
+  Liquid l;
+  l.sound_speed = 30;
+  l.spacing = 0.01;
+  const WallRepulsion r = WallRepulsion::of(l);
+  double work = 0;
+  for (int k = 0; k < 1000; ++k) work += r.acceleration((k + 0.5) / 1000 * r.range) * r.range / 1000;
+  EXPECT_NEAR(std::sqrt(2 * work), 0.25 * l.sound_speed, 1e-6 * l.sound_speed);
+  EXPECT_EQ(r.acceleration(r.range), 0);
+}
+
+// In a slot the ghosts' gradient would make of any force many times itself; the bound is that of the spectral
+// radius, so that it does not depend on the axes.
+TEST(GhostShare, IsBoundedInSlotsWhateverTheAxes) {
+  const auto slot = [](Vec3d n) {  // -0.97 along n, -0.5 across it
+    Mat3d M;
+    for (int a = 0; a < 3; ++a) {
+      M.row[a] = (-0.47 * n[a]) * n;
+      M.row[a][a] -= 0.5;
+    }
+    return M;
+  };
+  const double share = ghost_share(0.5, 1, slot({0, 0, 1}));
+  EXPECT_GT(share * 0.97, 0.8);
+  EXPECT_LE(share * 0.97, 0.9 + 1e-12);
+  EXPECT_NEAR(ghost_share(0.5, 1, slot({0.6, 0, 0.8})), share, 1e-12);
+  EXPECT_EQ(ghost_share(0, 1, slot({0, 0, 1})), 0) << "without neighbours";
+  EXPECT_EQ(ghost_share(0.5, 0.7, Mat3d{}), 1) << "a free surface";
 }
 
 TEST(StepLimits, NameTheSmallest) {

@@ -17,19 +17,18 @@ using namespace sph;
 
 constexpr double g = 9.81;
 
-// A cylinder of triangles, filled by packing.
-TEST(StillColumn, RestsInACylinder) {
+// A cylinder of `segments` facets, filled by packing; it rests for `end` [s], of which the last third counts.
+void rest_in_cylinder(double radius, double depth, int segments, double end, double kinetic_tolerance) {
   LiquidSetup setup;
   Liquid& l = setup.liquid;
   l.spacing = 0.1;
   l.gravity = {0, 0, -g};
-  const double radius = 0.35, depth = 0.6, end = 3;
   l.sound_speed = suggested_sound_speed(0, g, depth);
   l.artificial = 0.1;
   const Pose centre{{0, 0, depth}, {}};
-  setup.walls = {transformed(cylinder_mesh(radius, 2 * depth, 20, {"+z"}), centre)};
+  setup.walls = {transformed(cylinder_mesh(radius, 2 * depth, segments, {"+z"}), centre)};
   setup.domain = {{-0.5, -0.5, -0.1}, {0.5, 0.5, 2 * depth}};
-  const TriangleMesh region = transformed(cylinder_mesh(radius, 2 * depth, 20), centre);
+  const TriangleMesh region = transformed(cylinder_mesh(radius, 2 * depth, segments), centre);
   const auto engine = make_liquid_engine(setup, true);
   const LiquidState start = fill_region(setup, engine->poses(), region, {depth, {}});
   engine->set_state(start);
@@ -38,8 +37,8 @@ TEST(StillColumn, RestsInACylinder) {
   const int steps = static_cast<int>(end / dt);
   double load = 0, late = 0;
   int counted = 0;
-  std::printf("still column in a cylinder, 6 spacings high, 7 wide, %zu particles, %.0f s\n", start.size(),
-              end);
+  std::printf("still column in a cylinder, %.0f spacings high, %.0f wide, %zu particles, %.0f s\n",
+              depth / l.spacing, 2 * radius / l.spacing, start.size(), end);
   expect_figure(
       "mass / (volume below the level and density)", 1,
       static_cast<double>(start.size()) * l.mass() / (l.density * volume_below(region, {0, 0, 1}, depth)),
@@ -48,13 +47,13 @@ TEST(StillColumn, RestsInACylinder) {
     engine->step(dt);
     const double kinetic = engine->energies().kinetic / potential;
     if (k % (steps / 5) == 0) std::printf("  %5.2f s: kinetic / potential energy %.2e\n", k * dt, kinetic);
-    if (k < steps * 3 / 4) continue;
+    if (k < steps * 2 / 3) continue;
     load -= engine->loads()[0].force.z;
     late = std::max(late, kinetic);
     ++counted;
   }
-  expect_figure("load / weight, mean of the last 1 s", 1, load / counted / weight, 1e-3);
-  expect_figure("largest kinetic / potential energy in it", 0, late, 1e-5);
+  expect_figure("load / weight, mean of the last third", 1, load / counted / weight, 1e-3);
+  expect_figure("largest kinetic / potential energy in it", 0, late, kinetic_tolerance);
   expect_figure("particles that passed a wall", 0, static_cast<double>(engine->figures().passed_walls), 0);
   double squares = 0;
   int inside = 0;
@@ -67,6 +66,13 @@ TEST(StillColumn, RestsInACylinder) {
     ++inside;
   }
   expect_figure("pressure error / bottom pressure, mean square", 0, std::sqrt(squares / inside), 0.02);
+}
+
+TEST(StillColumn, RestsInACylinder) {
+  if (SOAK)
+    rest_in_cylinder(0.35, 0.6, 20, 3, 1e-4);
+  else
+    rest_in_cylinder(0.3, 0.4, 12, 1.5, 1e-4);
 }
 
 }  // namespace
