@@ -59,8 +59,8 @@ TEST(Spray, OfAJetThroughAHoleStaysInTheVessel) {
   const auto engine = make_liquid_engine(setup, true);
   LiquidState start;
   for (int k = 0; k < wide * wide * high; ++k) {
-    start.position.push_back(a * Vec3d{k % wide + 0.5 - wide / 2, k / wide % wide + 0.5 - wide / 2,
-                                       k / wide / wide + 0.5});
+    start.position.push_back(
+        a * Vec3d{k % wide + 0.5 - wide / 2, k / wide % wide + 0.5 - wide / 2, k / wide / wide + 0.5});
     start.velocity.push_back({});
     start.compression.push_back(0);
   }
@@ -75,7 +75,8 @@ TEST(Spray, OfAJetThroughAHoleStaysInTheVessel) {
   double fallen = 0, outside = 0;
   for (const Vec3d& x : engine->state().position) {
     fallen += x.z < 0 ? 1 : 0;
-    outside += std::max({std::fabs(x.x) - width / 2, std::fabs(x.y) - width / 2, x.z - top, bottom - x.z}) > 0;
+    outside +=
+        std::max({std::fabs(x.x) - width / 2, std::fabs(x.y) - width / 2, x.z - top, bottom - x.z}) > 0;
   }
   const EnergyBalance e = engine->energies();
   std::printf("jet through a hole of 3 spacings: %.0f of %zu particles fell through it in %.1f s\n", fallen,
@@ -127,10 +128,16 @@ Passes spray(std::uint64_t seed) {
   const double a = l.spacing, radius = random.uniform(5, 7) * a, fastest = 0.1 * l.sound_speed;
   TriangleMesh vessel;
   switch (random.bits() % 3) {
-    case 0: vessel = bumpy_vessel(random, radius); break;
-    case 1: vessel = cylinder_mesh(0.7 * radius, radius, 12); break;
+    case 0:
+      vessel = bumpy_vessel(random, radius);
+      break;
+    case 1:
+      vessel = cylinder_mesh(0.7 * radius, radius, 12);
+      break;
     default:
-      vessel.vertices = {{-radius, -radius, -radius}, {radius, -radius, -radius}, {0, radius, -radius},
+      vessel.vertices = {{-radius, -radius, -radius},
+                         {radius, -radius, -radius},
+                         {0, radius, -radius},
                          {0, random.uniform(-1, 1) * radius, 2 * radius}};
       vessel.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   }
@@ -179,7 +186,8 @@ Passes spray(std::uint64_t seed) {
   passes.counted = static_cast<double>(engine->figures().passed_walls);
   passes.faster = top / fastest;
   const EnergyBalance e = engine->energies();
-  passes.energy = (e.kinetic + e.compression - begin.kinetic - begin.compression - e.changes()) / begin.kinetic;
+  passes.energy =
+      (e.kinetic + e.compression - begin.kinetic - begin.compression - e.changes()) / begin.kinetic;
   return passes;
 }
 
@@ -224,7 +232,8 @@ AtEdge fly_at_edge(double offset, Vec3d velocity, double compression) {
 }
 
 TEST(Spray, IsStoppedByTheEdgeOfASheet) {
-  std::printf("a particle flies along the plane of a sheet against its edge, at a tenth of the speed of sound\n");
+  std::printf(
+      "a particle flies along the plane of a sheet against its edge, at a tenth of the speed of sound\n");
   double passed = 0;
   for (const double offset : {0.0, 1e-9, 0.02, 0.2, 0.6})
     for (const double up : {0.0, -0.01, -0.3}) {
