@@ -36,10 +36,11 @@ TANDEM_HD inline bool reaches_beyond(const Polygon& p, Vec3d origin, Vec3d norma
 }
 
 // Is every point of the polygon, counter-clockwise about `normal`, at least `radius` from x, seen across one
-// edge?
+// edge? Cuts leave edges of rounding size, whose direction says nothing.
 TANDEM_HD inline bool is_beyond(const Polygon& p, Vec3d x, Vec3d normal, double radius) {
   for (int k = 0; k < p.count; ++k) {
     const Vec3d edge = p.corner[k + 1 < p.count ? k + 1 : 0] - p.corner[k];
+    if (norm2(edge) < 1e-12 * radius * radius) continue;
     const double away = dot(x - p.corner[k], cross(edge, normal));
     if (away > 0 && away * away >= radius * radius * norm2(edge)) return true;
   }
@@ -101,6 +102,19 @@ TANDEM_HD bool for_visible_parts(const Polygon& whole, Vec3d facing, Vec3d x, do
     }
     if (k == hiders) {
       each(rest);
+      continue;
+    }
+    // Each of the four cuts below adds one corner at most; what has more corners falls into two halves.
+    if (rest.count > Polygon::most - 4) {
+      if (count + 2 > most) return false;
+      const int middle = rest.count / 2;
+      Polygon &first = pending[count], &second = pending[count + 1];
+      first.count = second.count = 0;
+      for (int n = 0; n <= middle; ++n) first.corner[first.count++] = rest.corner[n];
+      for (int n = middle; n <= rest.count; ++n)
+        second.corner[second.count++] = rest.corner[n < rest.count ? n : 0];
+      next[count] = next[count + 1] = k;
+      count += 2;
       continue;
     }
     for (int side = 0; side < 4 && rest.count > 0; ++side) {
