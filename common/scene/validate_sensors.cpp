@@ -55,8 +55,7 @@ void require_in_domain(const ParticleSensor& sensor, double radius, const Box& d
                        const std::string& path) {
   double distance2 = 0;  // of the domain from the position of the sensor
   for (int a = 0; a < 3; ++a) {
-    const double x = sensor.pose.p_WB[a],
-                 beyond = std::max({domain.min[a] - x, x - domain.max[a], 0.0});
+    const double x = sensor.pose.p_WB[a], beyond = std::max({domain.min[a] - x, x - domain.max[a], 0.0});
     distance2 += beyond * beyond;
   }
   if (std::sqrt(distance2) > radius)
@@ -93,8 +92,8 @@ void validate_liquid_sensors(const Scene& scene, const std::string& origin) {
     const LiquidSensor& sensor = sph.sensors[i];
     const std::string path = element("sph.sensors", i);
     require_own_name(sensor, sensor.kind == Kind::load ? "_load" : "_content", scene, origin, path);
-    if (scene.dem && std::ranges::find(scene.dem->sensors, sensor.name, &ParticleSensor::name) !=
-                         scene.dem->sensors.end())
+    if (scene.dem &&
+        std::ranges::find(scene.dem->sensors, sensor.name, &ParticleSensor::name) != scene.dem->sensors.end())
       fail(origin, path + ".name", "a sensor of dem.sensors is called '" + sensor.name + "' as well",
            "give one of them another name");
     if (sensor.axis) require_unit(*sensor.axis, origin, path + ".axis");

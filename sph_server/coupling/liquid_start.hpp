@@ -20,8 +20,8 @@ struct LiquidStart {
 
   std::size_t particles() const;  // about as many as there will be
 };
-// Error{scene} for a speed of sound that is too low for the liquid as it starts, and for walls and amounts that
-// check_start() and insides_of() refuse. `meshes`: of the walls with a mesh, by name.
+// Error{scene} for a speed of sound that is too low for the liquid as it starts, and for walls and amounts
+// that check_start() and insides_of() refuse. `meshes`: of the walls with a mesh, by name.
 LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 
 // Its particles. Error{scene} as liquid_at_start().

@@ -47,9 +47,8 @@ Sensors::Sensors(const scene::Scene& scene, const LiquidSetup& setup, const std:
     sensor.against_gravity = of.kind == Kind::level && !of.axis;
     if (sensor.against_gravity) sensor.of.axis = -1.0 / norm(scene.gravity) * scene.gravity;
   }
-  if (std::ranges::any_of(sensors_, [](const Sensor& s) {
-        return s.of.kind == Kind::level || s.of.kind == Kind::pressure;
-      }))
+  if (std::ranges::any_of(
+          sensors_, [](const Sensor& s) { return s.of.kind == Kind::level || s.of.kind == Kind::pressure; }))
     walls_ = Walls(setup.walls, setup.liquid.support());
 }
 
@@ -125,8 +124,7 @@ void Sensors::measure_region(const Sensor& sensor, const dem::BodyPose& body, co
   seen.passed += 0.5 * length * (seen.flow + flow);
   seen.flow = flow;
   if (count > 0)
-    seen.longest_way =
-        std::max(seen.longest_way, length * std::abs(relative) / static_cast<double>(count));
+    seen.longest_way = std::max(seen.longest_way, length * std::abs(relative) / static_cast<double>(count));
   values_.push_back(flow);
   values_.push_back(seen.passed);
 }
@@ -152,8 +150,8 @@ const std::vector<double>& Sensors::measure(const LiquidState& state, std::span<
         break;
       }
       case Kind::level:
-        values_.push_back(probe.level_on(
-            point, sensor.against_gravity ? *sensor.of.axis : body.R * *sensor.of.axis));
+        values_.push_back(
+            probe.level_on(point, sensor.against_gravity ? *sensor.of.axis : body.R * *sensor.of.axis));
         break;
       case Kind::pressure:
         values_.push_back(probe.pressure_at(point));

@@ -1,5 +1,5 @@
-// Sensors of the liquid: what is in a region, on a line and at a point at the end of each window, and the load
-// on walls as a mean over it.
+// Sensors of the liquid: what is in a region, on a line and at a point at the end of each window, and the
+// load on walls as a mean over it.
 #pragma once
 
 #include <span>

@@ -8,8 +8,8 @@
 namespace tandem::sph {
 namespace {
 
-constexpr double in_front = 0.02;     // of a point, from where it looks [spacings]
-constexpr double line_step = 0.25;    // of the search along a line [spacings]
+constexpr double in_front = 0.02;   // of a point, from where it looks [spacings]
+constexpr double line_step = 0.25;  // of the search along a line [spacings]
 constexpr int bisections = 30;
 constexpr int samples_of_support = 4;  // of the hidden part, along a radius of the kernel
 

@@ -9,8 +9,8 @@
 
 namespace tandem::sph {
 
-// Refers to its arguments. Particles behind a wall do not count, seen from a fiftieth of a spacing in front of
-// the point, so that a point on a wall sees the liquid on both of its sides.
+// Refers to its arguments. Particles behind a wall do not count, seen from a fiftieth of a spacing in front
+// of the point, so that a point on a wall sees the liquid on both of its sides.
 class Probe {
  public:
   Probe(const LiquidState& state, const Liquid& liquid, const dem::Periods& periods, const Walls& walls)

@@ -38,8 +38,8 @@ bool is_inside_out(const TriangleMesh& mesh) {
   double volume = 0;
   const Vec3d origin = mesh.vertices.front();
   for (const auto& t : mesh.triangles)
-    volume += dot(mesh.vertices[t[0]] - origin,
-                  cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
+    volume +=
+        dot(mesh.vertices[t[0]] - origin, cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
   return volume < 0;
 }
 
@@ -132,9 +132,10 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
     const double cube = sph.spacing * sph.spacing * sph.spacing,
                  count = volume_below(filled.region, up, low + filled.depth) / cube;
     if (count >= Neighbour::most)
-      throw Error(ErrorCode::scene,
-                  fmt::format("the liquid has {:.4g} particles there, more than {}", count, Neighbour::most - 1),
-                  place_of_fill(k), "give a larger sph.spacing");
+      throw Error(
+          ErrorCode::scene,
+          fmt::format("the liquid has {:.4g} particles there, more than {}", count, Neighbour::most - 1),
+          place_of_fill(k), "give a larger sph.spacing");
     filled.particles = static_cast<std::size_t>(count);
     all.push_back(std::move(filled));
   }
@@ -146,10 +147,11 @@ LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
                             const std::vector<dem::BodyPose>& poses) {
   const scene::Liquid& liquid = scene.sph->liquids.front();
   LiquidState all = fill_of(sites, liquid, setup.liquid);
-  std::vector<std::size_t> from(all.size(), liquid.fill.size());  // fill of each particle, that of boxes unknown
+  std::vector<std::size_t> from(all.size(),
+                                liquid.fill.size());  // fill of each particle, that of boxes unknown
   for (const FilledInside& filled : insides) {
-    const LiquidState part = placed_at(
-        filled.fill, [&] { return fill_region(setup, poses, filled.region, filled.amount); });
+    const LiquidState part =
+        placed_at(filled.fill, [&] { return fill_region(setup, poses, filled.region, filled.amount); });
     all.position.insert(all.position.end(), part.position.begin(), part.position.end());
     all.compression.insert(all.compression.end(), part.compression.begin(), part.compression.end());
     all.velocity.resize(all.size(), liquid.velocity);

