@@ -27,7 +27,7 @@ dem::BodyPose turned(double angle, double rate) {
 // A bucket of a radius of 6 spacings turns about its axis, with a liquid that turns with it. In the steady
 // state the surface is z = z0 + w^2 r^2 / 2g, and the pressure rho g (surface - z).
 TEST(Bucket, ThatTurnsHasAParabolicSurface) {
-  constexpr double spacing = 0.05, radius = 6 * spacing, depth = 6 * spacing, end = 1;
+  constexpr double spacing = 0.05, radius = 6 * spacing, depth = 6 * spacing, end = 1.6;
   constexpr int segments = 24;
   const double rise = 4 * spacing, w = std::sqrt(2 * g * rise) / radius;
   LiquidSetup setup;
