@@ -96,10 +96,12 @@ void read_particles(const std::filesystem::path& folder, const std::string& grou
   bool found = false;
   for (const char* file : sphere_files) {
     if (!exists(folder / file)) continue;
+    const std::size_t before = frame.radius.size();
     if (add_spheres(folder / file, group, field, frame))
       found = true;
     else
       without = file;
+    if (file == sphere_files.back()) frame.liquid = frame.radius.size() - before;
   }
   if (without && !found)
     throw Error(ErrorCode::usage, std::string("the frames of this run have no '") + field.name + "'",

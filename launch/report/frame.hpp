@@ -35,14 +35,24 @@ struct ColourField {
 // Throws Error{usage} for a name that is none of them.
 const ColourField& colour_field(const std::string& name);
 
+// The surface around the particles of a liquid.
+struct LiquidSurface {
+  TriangleMesh mesh;           // world [m]
+  std::vector<Vec3d> normals;  // of the vertices, out of the liquid
+  std::vector<double> value;   // of the vertices, as Frame::value
+};
+
 struct Frame {
   double time = 0;               // [s]
   std::vector<double> position;  // [m] (n x 3)
   std::vector<double> radius;    // [m] (n)
   std::vector<double> value;     // of the field that was asked for (n)
+  std::size_t liquid = 0;        // so many of the spheres, the last ones, are particles of a liquid
+  std::optional<LiquidSurface> liquid_surface;
   std::vector<Surface> surfaces;
 
   Vec3d centre(std::size_t i) const { return {position[3 * i], position[3 * i + 1], position[3 * i + 2]}; }
+  bool has_particles() const { return !radius.empty() || liquid_surface; }
   bool empty() const { return position.empty() && surfaces.empty(); }
 };
 

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
+#include "launch/report/liquid_surface.hpp"
 #include "launch/report/tool.hpp"
 #include "launch/run_folder/own_files.hpp"
 
@@ -157,7 +158,7 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
   const auto begin = std::chrono::steady_clock::now();
   double first = 0, last = 0;  // [s]
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const Frame frame = read_frame(folder, names[i], field);
+    const Frame frame = with_liquid_surface(read_frame(folder, names[i], field), stills.folder());
     (i == 0 ? first : last) = frame.time;
     view.title = fmt::format("{}   t = {:.4g} s", scene.name, frame.time);
     const std::string still = fmt::format("still_{:06}", i);

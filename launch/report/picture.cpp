@@ -2,6 +2,7 @@
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
+#include "launch/report/liquid_surface.hpp"
 #include "launch/report/pov_scene.hpp"
 #include "launch/report/report.hpp"
 
@@ -9,7 +10,7 @@ namespace tandem::launch {
 namespace {
 
 bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
-  const Frame frame = read_last_frame(folder);
+  Frame frame = read_last_frame(folder);
   if (frame.empty()) {
     log::warn(scene.has_particles() && !scene.output.particles
                   ? "no picture: frames have no spheres (output.particles), and there is no body to draw"
@@ -31,7 +32,7 @@ bool draw(const std::filesystem::path& folder, const scene::Scene& scene) {
   range.add(frame.value);
   view.scale = range.from_zero("speed [m/s]");
   log::info("drawing picture.png with POV-Ray, which takes some seconds; --no-picture leaves it out");
-  return render(folder, "picture", frame, scene, view);
+  return render(folder, "picture", with_liquid_surface(std::move(frame), folder), scene, view);
 }
 
 }  // namespace

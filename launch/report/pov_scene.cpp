@@ -36,6 +36,7 @@ class PovWriter {
   double size() const { return size_; }  // of the picture [m]
   void stage();
   void spheres(const Frame& frame);
+  void liquid(const LiquidSurface& surface);
   void surface(const Surface& surface, Vec3d tint, double clearness, double line);
   void ground(const Surface& surface, Vec3d tint, double line);
   void elements(const std::vector<Rod>& rods);
@@ -49,6 +50,15 @@ class PovWriter {
              double clearness);
   void edges(const Surface& surface, Vec3d tint, double line);
   double length(double l) const { return scale_ * l; }
+  // Few textures: POV-Ray keeps one for all objects that name it.
+  static constexpr std::size_t shades = 64;
+  // The one of a value, or its index in a list of names.
+  std::size_t shade_of(double value) const {
+    const ColourScale& scale = view_.scale;
+    if (!scale.names.empty()) return static_cast<std::size_t>(std::max(value, 0.0));
+    const double share = std::clamp((value - scale.low) / (scale.high - scale.low), 0.0, 1.0);
+    return static_cast<std::size_t>(share * (shades - 1) + 0.5);
+  }
 
   std::ostream& out_;
   const View& view_;
@@ -81,6 +91,7 @@ void PovWriter::stage() {
   fmt::print(out_, "light_source {{ {} srgb <0.92,0.96,1>*0.42 shadowless }}\n",
              vector(eye_distance * (0.5 * up - 0.4 * ahead + 1.2 * right)));
   fmt::print(out_, "#declare grain = finish {{ ambient 0.2 diffuse 0.74 specular 0.22 roughness 0.03 }}\n");
+  fmt::print(out_, "#declare water = finish {{ ambient 0.2 diffuse 0.7 specular 0.5 roughness 0.005 }}\n");
   fmt::print(out_, "#declare glass = finish {{ ambient 0.3 diffuse 0.68 specular 0.15 roughness 0.01 }}\n");
   const Vec3d centre = (length(view_.floor) - scale_ * dot(view_.camera.target, up)) * up;
   fmt::print(out_,
@@ -91,17 +102,9 @@ void PovWriter::stage() {
 }
 
 void PovWriter::spheres(const Frame& frame) {
-  // Few textures: POV-Ray keeps one for all spheres between two declarations.
-  constexpr std::size_t shades = 64;
-  const ColourScale& scale = view_.scale;
   std::map<std::size_t, std::vector<std::size_t>> of_shade;
-  const bool named = !scale.names.empty();
-  for (std::size_t i = 0; i < frame.value.size(); ++i) {
-    const double share = std::clamp((frame.value[i] - scale.low) / (scale.high - scale.low), 0.0, 1.0);
-    of_shade[named ? static_cast<std::size_t>(std::max(frame.value[i], 0.0))
-                   : static_cast<std::size_t>(share * (shades - 1) + 0.5)]
-        .push_back(i);
-  }
+  for (std::size_t i = 0; i < frame.value.size(); ++i) of_shade[shade_of(frame.value[i])].push_back(i);
+  const bool named = !view_.scale.names.empty();
   for (const auto& [shade, members] : of_shade) {
     const Vec3d colour = named ? group_colour(shade) : bar_colour(static_cast<double>(shade) / (shades - 1));
     fmt::print(out_, "#declare T = texture {{ pigment {{ srgb {} }} finish {{ grain }} }}\n", vector(colour));
@@ -111,6 +114,24 @@ void PovWriter::spheres(const Frame& frame) {
                  length(frame.radius[i]));
     }
   }
+}
+
+// Colours change from vertex to vertex.
+void PovWriter::liquid(const LiquidSurface& surface) {
+  if (surface.mesh.triangles.empty()) return;
+  out_ << "mesh2 { vertex_vectors { " << surface.mesh.vertices.size();
+  for (const Vec3d& vertex : surface.mesh.vertices) out_ << ',' << point(vertex);
+  out_ << " } normal_vectors { " << surface.normals.size();
+  for (const Vec3d& normal : surface.normals) out_ << ',' << vector(normal);
+  out_ << " } texture_list { " << shades;
+  for (std::size_t k = 0; k < shades; ++k)
+    fmt::print(out_, ", texture {{ pigment {{ srgb {} }} finish {{ water }} }}",
+               vector(bar_colour(static_cast<double>(k) / (shades - 1))));
+  out_ << " } face_indices { " << surface.mesh.triangles.size();
+  for (const auto& [a, b, c] : surface.mesh.triangles)
+    fmt::print(out_, ",<{},{},{}>,{},{},{}", a, b, c, shade_of(surface.value[a]), shade_of(surface.value[b]),
+               shade_of(surface.value[c]));
+  out_ << " } }\n";
 }
 
 void PovWriter::faces(const Surface& surface, const std::vector<std::array<std::uint32_t, 3>>& triangles,
@@ -276,6 +297,7 @@ void write_pov(std::ostream& out, const Frame& frame, const scene::Scene& scene,
   PovWriter pov(out, view);
   pov.stage();
   pov.spheres(frame);
+  if (frame.liquid_surface) pov.liquid(*frame.liquid_surface);
   const std::vector<LegendEntry> legend = body_legend(scene);
   for (const Surface& surface : frame.surfaces) {
     if (surface.mesh.triangles.empty()) continue;
@@ -288,8 +310,8 @@ void write_pov(std::ostream& out, const Frame& frame, const scene::Scene& scene,
       const auto entry = std::ranges::find(legend, surface.name, &LegendEntry::name);
       tint = entry == legend.end() ? body_colour(0) : entry->colour;
     }
-    // Spheres inside a body show their colours through it.
-    const double of_body = frame.radius.empty() ? 0.4 : 0.55;
+    // Particles inside a body show their colours through it, of spheres also at a lower clearness.
+    const double of_body = frame.liquid_surface ? 0.8 : frame.has_particles() ? 0.55 : 0.4;
     pov.surface(surface, tint, surface.fixed ? clear_wall : of_body, 6e-4 * pov.size());
   }
   pov.elements(element_rods(scene, frame, pov.size()));
@@ -300,7 +322,7 @@ void write_pov(std::ostream& out, const Frame& frame, const scene::Scene& scene,
   if (more.extents) draw_extents(pov, overlay, frame, view.up);
   draw_labels(pov, overlay, more.labels);
   draw_legend(overlay, view.title, legend);
-  if (!frame.radius.empty()) draw_scale(overlay, view.scale);
+  if (frame.has_particles()) draw_scale(overlay, view.scale);
 }
 
 bool render(const std::filesystem::path& folder, const std::string& name, const Frame& frame,

@@ -12,16 +12,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array own_names{
-    std::string_view(summary_name),     std::string_view("run.log"),     std::string_view("bodies.csv"),
-    std::string_view("joints.csv"),     std::string_view("windows.csv"), std::string_view("border.csv"),
-    std::string_view("elements.csv"),   std::string_view("sensors.csv"), std::string_view("control.csv"),
-    std::string_view("particles.h5"),   std::string_view("contacts.h5"), std::string_view("contacts.xdmf"),
-    std::string_view("particles.xdmf"), std::string_view("bodies.h5"),   std::string_view("bodies.xdmf"),
-    std::string_view("report.html"),    std::string_view("report.log"),  std::string_view("picture.png"),
-    std::string_view("picture.pov"),    std::string_view("picture.log"), std::string_view("movie.mp4"),
-    std::string_view("movie.log"),      std::string_view(marker_name),   std::string_view(reserve_name),
-    std::string_view("liquid.h5"),      std::string_view("liquid.xdmf"), std::string_view(last_windows_name)};
+constexpr std::array own_names{std::string_view(summary_name),        std::string_view("run.log"),
+                               std::string_view("bodies.csv"),        std::string_view("joints.csv"),
+                               std::string_view("windows.csv"),       std::string_view("border.csv"),
+                               std::string_view("elements.csv"),      std::string_view("sensors.csv"),
+                               std::string_view("control.csv"),       std::string_view("particles.h5"),
+                               std::string_view("contacts.h5"),       std::string_view("contacts.xdmf"),
+                               std::string_view("particles.xdmf"),    std::string_view("bodies.h5"),
+                               std::string_view("bodies.xdmf"),       std::string_view("report.html"),
+                               std::string_view("report.log"),        std::string_view("picture.png"),
+                               std::string_view("picture.pov"),       std::string_view("picture.log"),
+                               std::string_view("movie.mp4"),         std::string_view("movie.log"),
+                               std::string_view(marker_name),         std::string_view(reserve_name),
+                               std::string_view("liquid.h5"),         std::string_view("liquid.xdmf"),
+                               std::string_view(last_windows_name),   std::string_view("liquid_particles.h5"),
+                               std::string_view("liquid_surface.h5"), std::string_view("liquid_surface.log")};
 constexpr std::array checkpoint_names{std::string_view("run.h5"), std::string_view("mbd.h5"),
                                       std::string_view("dem.h5"), std::string_view("sph.h5")};
 constexpr std::size_t most_others = 10;
@@ -37,8 +42,10 @@ bool is_number(std::string_view text) {
   return text.size() >= 6 && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// A picture of `tandem movie` that was ended.
+// A picture of `tandem movie` that was ended, or what it was made of.
 bool is_still(std::string_view name) {
+  if (name == "liquid_particles.h5" || name == "liquid_surface.h5" || name == "liquid_surface.log")
+    return true;
   constexpr std::string_view begin = "still_";
   if (!name.starts_with(begin)) return false;
   name.remove_prefix(begin.size());

@@ -1,15 +1,13 @@
-#include "launch/verdict/liquid_rules.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "launch/verdict/figures.hpp"
+#include "launch/verdict/rules.hpp"
 #include "sph_server/equations/limits.hpp"
 
 namespace tandem::launch {
 namespace {
-
-using Figures = std::optional<std::vector<Figure>>;
 
 constexpr const char* the_liquid = "the liquid";
 
@@ -37,11 +35,10 @@ std::string faster_sound(const RunFigures& run, double factor) {
 }  // namespace
 
 void add_liquid_rules(std::vector<Rule>& table) {
-  const auto fixed = static_cast<double (*)(const scene::Scene&)>(nullptr);
   table.push_back(
       {"liquid_density", "sph.density_error", sph::largest_density_error,
        "a liquid is meant to keep its density; volumes and pressures are off by about this share",
-       "a larger speed of sound", fixed,
+       "a larger speed of sound", nullptr,
        [](const RunFigures& run) { return of_liquid(run.facts.sph.density_error); },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
@@ -53,7 +50,8 @@ void add_liquid_rules(std::vector<Rule>& table) {
       {"mach", "sph.mach", sph::largest_mach,
        "up to a tenth of the speed of sound walls keep the liquid, and its density varies by about "
        "1 %",
-       "a larger speed of sound", fixed, [](const RunFigures& run) { return of_liquid(run.facts.sph.mach); },
+       "a larger speed of sound", nullptr,
+       [](const RunFigures& run) { return of_liquid(run.facts.sph.mach); },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
              "the fastest particle of the liquid has {:.2g} of the speed of sound (limit {:.2g}): {}, "
@@ -62,7 +60,7 @@ void add_liquid_rules(std::vector<Rule>& table) {
              f.value * run.facts.sph.sound_speed.value_or(0));
        }});
   table.push_back({"passed_walls", "sph.passed_walls", 0, "a wall keeps the liquid on its side",
-                   "a larger speed of sound, or a smaller spacing", fixed,
+                   "a larger speed of sound, or a smaller spacing", nullptr,
                    [](const RunFigures& run) -> Figures {
                      const auto passed = run.facts.sph.passed_walls;
                      return passed ? of_liquid(static_cast<double>(*passed)) : std::nullopt;
@@ -77,7 +75,7 @@ void add_liquid_rules(std::vector<Rule>& table) {
       {"energy_liquid", "abs(sph.energy_residual_J) / sph.energy_scale_J", 0.01,
        "kinetic energy and energy of compression change by the work of gravity, walls, viscosity and "
        "diffusion; the rest is an error of the integration",
-       "a shorter step of the liquid", fixed,
+       "a shorter step of the liquid", nullptr,
        [](const RunFigures& run) -> Figures {
          const auto residual = run.facts.sph.energy_residual, scale = run.facts.sph.energy_scale;
          if (!residual || !scale) return std::nullopt;
@@ -93,7 +91,7 @@ void add_liquid_rules(std::vector<Rule>& table) {
       {"momentum_liquid", "sph.momentum_balance", 1e-6,
        "the momentum balance of the liquid with gravity and walls closes up to the rounding of its "
        "stored state",
-       "precision `double`, or a participant that records all forces", fixed,
+       "precision `double`, or a participant that records all forces", nullptr,
        [](const RunFigures& run) { return of_liquid(measured(run, "momentum_balance")); },
        [](const RunFigures&, const Figure& f, double limit) {
          return fmt::format(

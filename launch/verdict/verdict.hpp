@@ -1,6 +1,6 @@
 // The verdict on a run: rules that compare figures of its summary with limits. A completed run with an
-// objection of a rule is `suspect`. The rules are in one table, in verdict.cpp; docs/verdict.md has the same
-// table, and a test compares the two.
+// objection of a rule is `suspect`. The rules are in one table, by subject (rules.hpp); docs/verdict.md has
+// the same table, and a test compares the two.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -286,7 +286,7 @@ def declared(root):
         "error": set(re.findall(r'return "(\w+)";', naming)) - {"unknown"},
         "exit": set(re.findall(r"return (\d+);", status)) | {"0", "1"},
         "violation": set(re.findall(r'return "(\w+)";', (root / "protocol/violation.cpp").read_text())) - {"unknown"},
-        "rule": set(re.findall(r'push_back\(\s*\{"(\w+)",', "".join((root / "launch/verdict" / name).read_text() for name in ("verdict.cpp", "liquid_rules.cpp") if (root / "launch/verdict" / name).is_file()))),
+        "rule": set(re.findall(r'push_back\(\s*\{"(\w+)",', "".join(path.read_text() for path in sorted((root / "launch/verdict").glob("*_rules.cpp"))))),
     }
 
 

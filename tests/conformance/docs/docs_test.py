@@ -98,7 +98,7 @@ SOURCES = {
     "common/scene/model.hpp": "struct Body {\n  double mass = 0;\n  Kind kind = Kind::soft;  // hard\n};\n",
     "common/error.cpp": 'case usage: return "usage";\nint exit_status(ErrorCode code) {\n  return 2;\n}',
     "protocol/violation.cpp": 'return "truncated";',
-    "launch/verdict/verdict.cpp": 'table.push_back(\n      {"lost", "lost_particles", 0.1,',
+    "launch/verdict/particle_rules.cpp": 'table.push_back(\n      {"lost", "lost_particles", 0.1,',
     "participant/library/features.cpp": 'return "joint:fixed";\n return "joint:unknown";\n features.add("joint.cut", "mbd.joints");',
     "participant/include/tandem/participant.h": "#define TANDEM_CAN_PREDICT 1\n  int (*predict)(void *self);",
     "docs/scene_format.md": TABLES,

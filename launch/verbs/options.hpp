@@ -1,0 +1,57 @@
+// What options of several verbs have in common.
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "common/utf8.hpp"
+
+namespace tandem::launch {
+
+// Turns a word into the value that it names. A word that is none of them is refused with the nearest one.
+template <class Value>
+CLI::Validator one_of(const std::map<std::string, Value>& words) {
+  std::vector<std::string> names;
+  for (const auto& item : words) names.push_back(item.first);
+  return CLI::Validator(
+      [words, names](std::string& word) -> std::string {
+        const auto found = words.find(word);
+        if (found == words.end())
+          return fmt::format("there is no '{}' ({})", printable(shortened(word)),
+                             suggest_name(word, names, "words"));
+        word = std::to_string(static_cast<int>(found->second));
+        return {};
+      },
+      fmt::format("{{{}}}", fmt::join(names, ",")));
+}
+
+// JSON, into which the value goes, has no other numbers.
+inline void expect_finite(const std::optional<double>& seconds, const char* option) {
+  if (seconds && !std::isfinite(*seconds))
+    throw Error(ErrorCode::usage, fmt::format("{} is no time that a run can have", *seconds), option,
+                "give a finite number of seconds");
+}
+
+// Options that replace the servers of a run.
+template <class Options>
+void add_servers(CLI::App& verb, Options& options) {
+  verb.add_option(
+      "--mbd-server", options.mbd_server,
+      "Command of a multibody solver that replaces mbd_server (docs/swap.md), with its arguments");
+  verb.add_option("--dem-server", options.dem_server, "The same for the particle solver, dem_server");
+  verb.add_option("--sph-server", options.sph_server, "The same for the solver of a liquid, sph_server");
+  verb.add_flag("--allow-scene-servers", options.allow_scene_servers,
+                "Start the programs that the scene names as mbd.server, dem.server and sph.server: only for "
+                "scenes that you trust");
+}
+
+}  // namespace tandem::launch

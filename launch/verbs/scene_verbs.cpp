@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "common/error.hpp"
+#include "common/seconds.hpp"
+#include "launch/coordinator/describe.hpp"
+#include "launch/coordinator/dry_run.hpp"
+#include "launch/coordinator/machine_modes.hpp"
+#include "launch/coordinator/run.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/show.hpp"
+#include "launch/import/import.hpp"
+#include "launch/verbs/options.hpp"
+#include "launch/verbs/verbs.hpp"
+
+namespace tandem::launch {
+namespace {
+
+// A stiffness; the check of the library would print the largest number there is.
+std::string stiffness_fault(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0
+             ? std::string()
+             : "'" + shortened(text) + "' is no finite number > 0";
+}
+
+// Options of the verbs that make a dry run.
+struct Start {
+  RunOptions options;
+  double patience = 60;  // [s]
+  bool files_only = false;
+
+  SceneFile read(const std::string& path) const {
+    return read_scene(path, {}, SettleOn{.backend = options.backend, .settles = !files_only});
+  }
+  std::optional<DryRun> run(const SceneFile& file) {
+    if (files_only) return {};
+    options.patience = bounded_seconds(patience, least_patience, most_patience, "--patience");
+    return dry_run(file, options);
+  }
+};
+
+std::shared_ptr<Start> add_start(CLI::App& verb) {
+  auto start = std::make_shared<Start>();
+  verb.add_flag(
+      "--files-only", start->files_only,
+      "Look at the files only; without it the solvers are started as for a run, and leave before the first "
+      "window");
+  add_servers(verb, start->options);
+  verb.add_option("--backend", start->options.backend, "Where particles would be computed")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+  verb.add_option("--patience", start->patience, "Longest wait for an answer of a server [s]")
+      ->capture_default_str();
+  return start;
+}
+
+}  // namespace
+
+void add_validate(CLI::App& app, int& status) {
+  CLI::App* verb = app.add_subcommand(
+      "validate", "Check scenes, the files that they name, and whether a run of them starts");
+  auto scenes = std::make_shared<std::vector<std::string>>();
+  verb->add_option("scenes", *scenes, "Scene files")->required();
+  const auto start = add_start(*verb);
+  verb->callback([=, &status] {
+    for (const std::string& path : *scenes) {
+      std::string said;  // description of the scene, also of one that is refused
+      try {
+        const SceneFile file = start->read(path);
+        said = remarks(file, nullptr, "  ");
+        const std::optional<DryRun> started = start->run(file);
+        said = remarks(file, started ? &*started : nullptr, "  ");
+        fmt::print("{}: ok\n", path);
+      } catch (const Error& error) {
+        const bool named = std::string_view(error.what()).find(path) != std::string_view::npos;
+        fmt::print(stderr, "error: {}{}\n", named ? "" : path + ": ", error.what());
+        status = exit_status(error.code());
+      }
+      fmt::print("{}", said);
+      std::fflush(stdout);
+    }
+  });
+}
+
+void add_describe(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("describe", "Show what a scene consists of");
+  auto scene = std::make_shared<std::string>();
+  verb->add_option("scene", *scene, "Scene file")->required();
+  const auto start = add_start(*verb);
+  verb->callback([=] {
+    const SceneFile file = start->read(*scene);
+    std::optional<DryRun> started;
+    try {
+      started = start->run(file);
+    } catch (const Error&) {
+      fmt::print("{}\n", describe(file, nullptr));
+      std::fflush(stdout);
+      throw;
+    }
+    fmt::print("{}", describe(file, started ? &*started : nullptr));
+  });
+}
+
+void add_preview(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand(
+      "preview", "Draw the start of a scene, with its extents and the names of bodies and joints");
+  auto scene = std::make_shared<std::string>(), out = std::make_shared<std::string>();
+  verb->add_option("scene", *scene, "Scene file")->required();
+  verb->add_option("-o,--output", *out, "Picture (PNG); without it SCENE_preview.png, here");
+  verb->callback([=] { preview(*scene, *out); });
+}
+
+void add_modes(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("modes", "Show natural frequencies and damping of a scene's machine");
+  auto scene = std::make_shared<std::string>();
+  verb->add_option("scene", *scene, "Scene file")->required();
+  auto as_given = std::make_shared<bool>(false);
+  verb->add_flag(
+      "--as-given", *as_given,
+      "About the configuration and the rates of the scene, where the machine must stay; without it "
+      "about the equilibrium near it");
+  verb->callback([=] { fmt::print("{}", machine_modes(read_scene(*scene), *as_given)); });
+}
+
+void add_import(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("import", "Make a scene of a URDF model");
+  auto options = std::make_shared<ImportOptions>();
+  verb->add_option("model", options->model, "URDF file")->required();
+  verb->add_option("-o,--output", options->output, "Scene file; without it the scene is printed");
+  CLI::Option* into = verb->add_option("--into", options->into,
+                                       "Scene with particles that takes the bodies, joints and walls");
+  CLI::Option* material = verb->add_option("--material", options->material,
+                                           "Material of the walls, a name of the scene of --into");
+  into->needs(material);
+  material->needs(into);
+  verb->add_flag("--free-root", options->free_root, "The root link is free, not fixed to the ground");
+  auto stops = std::make_shared<std::vector<double>>();
+  verb->add_option("--stops", *stops,
+                   "Stiffness of the stops of joints with limits: of angles [N m/rad], of lengths [N/m]")
+      ->expected(2)
+      ->check(stiffness_fault);
+  verb->callback([=] {
+    if (!stops->empty()) options->stops = StopStiffness{stops->at(0), stops->at(1)};
+    import_model(*options);
+  });
+}
+
+}  // namespace tandem::launch
