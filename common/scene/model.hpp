@@ -329,8 +329,9 @@ struct Cylinder {
   std::optional<Limits> limits;  // of the stroke [m]
 };
 
-// The force of a plane road on a wheel, by the brush model. The wheel is the child of the joint, its centre
-// the joint's point, its axle the joint's axis; ahead is axle x normal.
+// The force of a road on a wheel, by the brush model. The wheel is the child of the joint, its centre the
+// joint's point, its axle the joint's axis; ahead is axle x normal. The road is a plane, or shapes of
+// BodyContact::ground that the wheel meets along -road_normal.
 struct Tyre {
   std::string name;
   JointId joint;
@@ -343,6 +344,7 @@ struct Tyre {
   std::optional<double> lateral_relaxation_length{};  // across it; absent: the same [m]
   double rolling_resistance = 0;                      // torque over load and loaded radius
   double patch_length = 0;                            // of contact, for the aligning torque [m]
+  std::vector<std::string> road{};                    // shapes of the ground; empty: the plane
   Vec3d road_point, road_normal{0, 0, 1};             // world [m], unit
 };
 using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope, Motor,

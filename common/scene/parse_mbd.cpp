@@ -310,6 +310,15 @@ Force parse_tyre(const Node& node, const Names& joints) {
   node.read("lateral_relaxation_length", tyre.lateral_relaxation_length);
   node.read("rolling_resistance", tyre.rolling_resistance);
   node.read("patch_length", tyre.patch_length);
+  if (node.has("road")) {
+    for (const auto& name : node.value().at("road")) tyre.road.push_back(name.get<std::string>());
+    if (node.has("road_point"))
+      node.fail("road_point", "the road is that of the shapes in 'road', not a plane through a point",
+                "leave out road_point or road");
+    if (!(tyre.patch_length > 0))
+      node.fail("patch_length", "a tyre on shapes of the ground needs the length of its patch, and it is 0",
+                "give patch_length: the road under the tyre is the plane through points of its patch");
+  }
   node.read("road_point", tyre.road_point);
   node.read("road_normal", tyre.road_normal);
   return tyre;

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "common/scene/motion_function.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "common/scene/shape_mesh.hpp"
 #include "common/scene/validate_parts.hpp"
 
 namespace tandem::scene {
@@ -135,7 +137,7 @@ void validate_force(const Tyre& tyre, const Mbd& mbd, double, const std::string&
              text(tyre.road_normal),
          "the axle of a wheel that stands is across it");
   const double height = dot(joint.position - tyre.road_point, tyre.road_normal);
-  if (!(height > 0.5 * tyre.radius))
+  if (tyre.road.empty() && !(height > 0.5 * tyre.radius))
     fail(origin, path + ".road_point",
          "the centre of the wheel, the point of joint '" + joint.name + "', is " + rounded(height) +
              " m above the road, less than half of the radius of " + text(tyre.radius) + " m",
@@ -148,6 +150,34 @@ void validate_force(const Tyre& tyre, const Mbd& mbd, double, const std::string&
   if (mbd.start == Start::equilibrium)
     fail(origin, path, "the search for the equilibrium knows no tyres",
          "leave out mbd.start, and let the vehicle come to rest in a run");
+}
+
+void validate_roads(const Scene& scene, const std::string& origin) {
+  if (!scene.mbd) return;
+  for (std::size_t i = 0; i < scene.mbd->forces.size(); ++i) {
+    const auto* tyre = std::get_if<Tyre>(&scene.mbd->forces[i]);
+    if (!tyre) continue;
+    for (std::size_t k = 0; k < tyre->road.size(); ++k) {
+      const std::string path = element(element("mbd.forces", i) + ".road", k), &name = tyre->road[k];
+      if (!scene.contact)
+        fail(origin, path, "the scene has no mbd.contact, whose ground has the roads",
+             "add mbd.contact with the shape '" + name + "' in its ground, or leave out road");
+      const std::vector<Shape>& shapes = scene.contact->ground;
+      const auto shape = std::ranges::find(shapes, name, &Shape::name);
+      if (shape == shapes.end()) {
+        std::vector<std::string> names;
+        for (const Shape& known : shapes) names.push_back(known.name);
+        fail(origin, path, "unknown name '" + name + "'", suggest_name(name, names, "mbd.contact.ground"));
+      }
+      if (!std::holds_alternative<PlaneShape>(shape->geometry) &&
+          !std::holds_alternative<MeshShape>(shape->geometry) &&
+          !std::holds_alternative<HeightFieldShape>(shape->geometry))
+        fail(origin, path, "'" + name + "' is a " + name_of(shape->geometry),
+             "roads are planes, meshes and height fields");
+      if (std::ranges::count(tyre->road, name) > 1)
+        fail(origin, path, "'" + name + "' is given twice", "leave one of them out");
+    }
+  }
 }
 
 void validate_force(const Cylinder& cylinder, const Mbd&, double end_time, const std::string& origin,

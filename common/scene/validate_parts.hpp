@@ -35,6 +35,8 @@ void validate_shapes(const Scene& scene, const std::string& origin);
 // Whether shapes of two bodies touch where they meet: the scene has mbd.contact, no joint connects the
 // bodies, and they are not in `ignore`.
 bool may_touch(const Scene& scene, BodyId a, BodyId b);
+// Roads of tyres are shapes of the ground that a tyre can roll on.
+void validate_roads(const Scene& scene, const std::string& origin);
 // Outputs of contacts name shapes that may touch, and have names of their own.
 void validate_contact_outputs(const Scene& scene, const std::string& origin);
 

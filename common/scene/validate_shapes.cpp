@@ -103,6 +103,7 @@ void validate_contact(const Scene& scene, const std::string& origin) {
 void validate_shapes(const Scene& scene, const std::string& origin) {
   validate_contact(scene, origin);
   validate_contact_outputs(scene, origin);
+  validate_roads(scene, origin);
   for (const Shape& shape : scene.shapes) {
     if (!shape.is_of_body) continue;  // checked as walls
     const Body& body = scene.mbd->bodies[shape.body.value];

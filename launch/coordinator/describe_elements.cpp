@@ -118,6 +118,8 @@ Parts figures(const Cylinder& f) {
 }
 
 Parts figures(const Tyre& f, const Mbd& mbd) {
+  if (!f.road.empty())
+    return {fmt::format("radius {:.6g} m", f.radius), fmt::format("on {}", fmt::join(f.road, ", "))};
   const double height = dot(mbd.joints[f.joint.value].position - f.road_point, f.road_normal),
                deflection = f.radius - height;
   return {fmt::format("{:.6g} m above the road at the start, radius {:.6g} m", height, f.radius),

@@ -39,6 +39,8 @@ struct RunFigures {
   std::string sharpest_turn_loop;  // name of its closure; empty: there is none
   std::string cavitated;           // name of the first cylinder that cavitated; empty: none has
   std::string deepest_contact;     // names of its two shapes; empty: none touched
+  ReleasedAtStart released;
+  std::string released_by;  // names of the two shapes that release most; empty: none overlap at the start
   std::vector<ElementObservation> elements;
   RunTotals totals;
   ErrorEstimate error;

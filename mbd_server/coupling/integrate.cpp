@@ -64,6 +64,7 @@ void MbdSolver::integrate_until(double end, double length) {
     else if (!m.method.try_step(m.system, state_, h) ||
              m.method.counters().newton_iterations > *most_iterations_)
       m.method.give_up(m.system, h);
+    measure_local_error(h);
     return h;
   };
   const Stiction::Stride free_step = std::ref(one_step);  // allocates nothing

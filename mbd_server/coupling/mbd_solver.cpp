@@ -138,6 +138,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   machine_->stiction.prepare(state_);
   machine_->touching.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
+  machine_->touching.note_start(state_);
   predicted_ = state_;
   before_.resize(model.boundary.size());
   motion_.bodies.resize(model.boundary.size());
@@ -404,6 +405,11 @@ protocol::Report MbdSolver::report() {
                              ? ""
                              : m.model.contact.shape(deepest).name + " and " +
                                    m.model.contact.shape(static_cast<int>(totals_.contact_depth_b)).name,
+      .released = m.touching.released(),
+      .released_by = m.touching.released().shape_a == none
+                         ? ""
+                         : m.model.contact.shape(m.touching.released().shape_a).name + " and " +
+                               m.model.contact.shape(m.touching.released().shape_b).name,
       .elements = observe_elements(m.model, state_, m.system.links()),
       .totals = totals_,
       .error = {}};

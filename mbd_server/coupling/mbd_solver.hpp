@@ -84,7 +84,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void record_begin_motion();
   void record_end_motion();
   bool sums_local_errors() const;
-  void record_local_error(double h);
+  void measure_local_error(double h);
   void record_step(double h);
   void record_contacts();
   void record_jump(double energy);
@@ -124,6 +124,7 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::TangentSet tangents_;
   protocol::BodiesFrame frame_;
   double error_constant_ = 0;             // of the position, of the method [-]
+  double local_error_ = 0;                // of the position, of the last step [-]
   bool loaded_ = false;                   // by particles or by a controller
   bool resumed_ = false;                  // from a file
   double start_energy_ = 0;               // [J]

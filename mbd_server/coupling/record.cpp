@@ -58,7 +58,7 @@ void MbdSolver::record_step(double h) {
   machine_->contacts.take_lost(
       [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
   if (!machine_->model.contact.empty()) record_contacts();
-  record_local_error(h);
+  if (sums_local_errors()) totals_.local_error_sum += local_error_;
   watch_energy();
   record_turn();
   if (state_.z.size() > 0) record_cavitation(h);
@@ -142,10 +142,10 @@ bool MbdSolver::sums_local_errors() const {
 }
 
 // Estimates the local error as the error control does (generalized_alpha.hpp), from the rate of the
-// acceleration over this step.
-void MbdSolver::record_local_error(double h) {
+// acceleration over this step: a contact that begins at its end has another rate.
+void MbdSolver::measure_local_error(double h) {
   if (!sums_local_errors()) return;
-  totals_.local_error_sum += error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
+  local_error_ = error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
 }
 
 double MbdSolver::energy_residual(double energy) const {

@@ -11,7 +11,7 @@
 namespace tandem::mbd {
 namespace {
 
-SignalValue value_of(const Signal& signal, const Model& model, const State& at) {
+SignalValue signal_value(const Signal& signal, const Model& model, const State& at) {
   if (signal.input != none) return {at.inputs[signal.input], 0};
   if (signal.drive == none) return {1, 0};
   const CoordinateMotion value = model.drives[static_cast<std::size_t>(signal.drive)].at(at.time, at.side);
@@ -26,7 +26,7 @@ Passive passive(const Element& e, const Model& model, const State& at, double s,
   Passive p;
   p.force -= e.damping * v, p.d_v -= e.damping, p.lost += e.damping * v * v;
   if (e.friction) {
-    const double most = e.friction->force * value_of(e.brake, model, at).value, slip = e.friction->slip;
+    const double most = e.friction->force * signal_value(e.brake, model, at).value, slip = e.friction->slip;
     const double t = std::tanh(v / slip);
     p.force -= most * t, p.d_v -= most * (1 - t * t) / slip, p.lost += most * t * v;
   }
@@ -52,7 +52,7 @@ ElementValue evaluate(const Element& e, const Model& model, const State& state, 
   const double weight = state.z_weight;
   const StatesOfElement guess = states_of(e, state.z),
                         known = weight > 0 ? states_of(e, state.z_known) : guess;
-  const SignalValue signal = value_of(e.signal, model, state);
+  const SignalValue signal = signal_value(e.signal, model, state);
   ElementValue out;
   if (state.at_rest && e.states > 0) {
     const StatesOfElement kept = states_of(e, state.z_known);
@@ -83,7 +83,7 @@ bool has_multiplier_at_rest(const Element& e) {
 
 ElementDerivatives derivatives(const Element& e, const Model& model, const State& state, double s, double v) {
   const StatesOfElement z = states_of(e, state.z);
-  const SignalValue signal = value_of(e.signal, model, state);
+  const SignalValue signal = signal_value(e.signal, model, state);
   if (const auto* drive = std::get_if<Drive>(&e.law)) return derivatives(*drive, signal, s, v, z);
   return derivatives(std::get<Hydraulics>(e.law), signal.value, s, v, z);
 }
@@ -112,12 +112,12 @@ SpringForce along_line(const Element& e, const ElementValue& value, const std::v
 }
 
 double signal_of(const Element& e, const Model& model, const State& at) {
-  return value_of(e.signal, model, at).value;
+  return signal_value(e.signal, model, at).value;
 }
 
 ElementPower power(const Element& e, const Model& model, const State& at, ElementArgument x,
                    const StatesOfElement& z) {
-  const SignalValue signal = value_of(e.signal, model, at);
+  const SignalValue signal = signal_value(e.signal, model, at);
   ElementPower sum;
   if (const auto* drive = std::get_if<Drive>(&e.law))
     sum.work = evaluate(*drive, signal, x.s, x.v, z, 0).force * x.v;
@@ -139,7 +139,7 @@ double stored_energy(const Element& e, double s, const StatesOfElement& z) {
 
 ChamberFlows valve_flows(const Element& e, const Model& model, const State& at, const StatesOfElement& z) {
   const auto* oil = std::get_if<Hydraulics>(&e.law);
-  return oil ? valve_flows(*oil, value_of(e.signal, model, at).value, z) : ChamberFlows{};
+  return oil ? valve_flows(*oil, signal_value(e.signal, model, at).value, z) : ChamberFlows{};
 }
 
 }  // namespace tandem::mbd

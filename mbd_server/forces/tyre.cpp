@@ -5,8 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/error.hpp"
-#include "mbd_server/spatial/dual.hpp"
+#include "mbd_server/forces/tyre_road.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -22,30 +21,6 @@ constexpr double damped_speed = 1, standing_gravity = 9.81;
 // radius that is left.
 constexpr double least_sine = 0.2, least_radius = 0.2;
 
-template <class T>
-using Triple = std::array<T, 3>;
-
-template <class T>
-T dot(const Triple<T>& a, const Triple<T>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class T>
-Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-template <class T>
-Triple<T> scaled(const T& s, const Triple<T>& a) {
-  return {s * a[0], s * a[1], s * a[2]};
-}
-template <class T>
-Triple<T> sum(const Triple<T>& a, const Triple<T>& b) {
-  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-template <class T>
-Vector3d numbers(const Triple<T>& a) {
-  return {value_of(a[0]), value_of(a[1]), value_of(a[2])};
-}
-
 // The wheel: centre, direction of the axle, angular velocity, and velocity of the point at the origin.
 template <class T>
 struct Wheel {
@@ -60,27 +35,23 @@ struct Contact {
 };
 
 template <class T>
-Contact<T> contact_of(const TyreOnLink& tyre, const Wheel<T>& wheel) {
-  using std::sqrt;
+Contact<T> contact_of(const TyreOnLink& tyre, const Wheel<T>& wheel, const RoadPlane<T>& road) {
   Contact<T> c;
-  for (std::size_t i = 0; i < 3; ++i) c.normal[i] = T(tyre.normal[static_cast<Eigen::Index>(i)]);
-  const Triple<T> ahead = cross(wheel.axle, c.normal);
-  const T sine = sqrt(dot(ahead, ahead));
-  c.along = scaled(T(1) / sine, ahead);
+  const Leg<T> leg = leg_of(wheel.centre, wheel.axle, road);
+  c.normal = road.normal;
+  c.along = leg.along;
   c.across = cross(c.normal, c.along);
-  const Triple<T> down = cross(wheel.axle, c.along);  // in the plane of the wheel
-  const T height = dot(wheel.centre, c.normal) - T(tyre.height), cosine = -dot(down, c.normal);
-  c.radius = height / cosine;
-  c.p = sum(wheel.centre, scaled(c.radius, down));
+  c.radius = leg.length;
+  c.p = sum(wheel.centre, scaled(c.radius, leg.down));
   const Triple<T> v = sum(wheel.v0, cross(wheel.w, c.p));
   c.slide_x = dot(v, c.along), c.slide_y = dot(v, c.across);
-  c.closing = -dot(v, c.normal) / cosine;
+  c.closing = -dot(v, c.normal) / leg.cosine;
   c.rolling = c.radius * dot(wheel.w, wheel.axle);
   c.deflection = T(tyre.radius) - c.radius;
   c.load = T(0);
   if (value_of(c.deflection) > 0) {
     const T along_leg = T(tyre.stiffness) * c.deflection + T(tyre.damping) * c.closing;
-    if (value_of(along_leg) > 0) c.load = along_leg / cosine;
+    if (value_of(along_leg) > 0) c.load = along_leg / leg.cosine;
   }
   return c;
 }
@@ -151,10 +122,6 @@ Forces<T> forces(const TyreOnLink& tyre, const Wheel<T>& wheel, const Contact<T>
 // Displacement [0, 6), velocity [6, 12) and the two states [12, 14).
 using Full = Dual<14>;
 
-Triple<double> triple(const Vector3d& a) {
-  return {a.x(), a.y(), a.z()};
-}
-
 // The root of w = known + weight g(w), which is monotone.
 std::array<double, 2> solved(const TyreOnLink& tyre, const Contact<double>& c, const Eigen::Vector2d& known,
                              double weight) {
@@ -190,16 +157,23 @@ std::array<double, 2> solved(const TyreOnLink& tyre, const Contact<double>& c, c
 TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector<LinkMotion>& links) {
   const LinkMotion& link = links[static_cast<std::size_t>(tyre.centre.link)];
   const Vector3d centre = link.point(tyre.centre.p_LP), axle = link.R_WL * tyre.axle;
-  const Wheel<double> wheel{triple(centre), triple(axle), triple(link.V.head<3>()), triple(link.V.tail<3>())};
-  const double sine = axle.cross(tyre.normal).norm(), height = centre.dot(tyre.normal) - tyre.height;
-  if (!(sine > least_sine) || !(height > least_radius * tyre.radius))
-    throw Error(
-        ErrorCode::numerics,
-        fmt::format("the wheel of tyre \"{}\" {}: its centre is {:.4g} m above the road, its radius {:.4g} m",
-                    tyre.name, sine > least_sine ? "passes through the road" : "lies on the road", height,
-                    tyre.radius),
-        "mbd_server", "give the tyre more stiffness or damping, or keep the vehicle from overturning");
-  const Contact<double> c = contact_of(tyre, wheel);
+  const Wheel<double> wheel{triple<double>(centre), triple<double>(axle), triple<double>(link.V.head<3>()),
+                            triple<double>(link.V.tail<3>())};
+  const auto expect_upright = [&](const Vector3d& normal) {
+    if (!(axle.cross(normal).norm() > least_sine))
+      fail_on_road(tyre, "lies on the road: its axle is within 12 degrees of the normal",
+                   "keep the vehicle from overturning");
+  };
+  expect_upright(tyre.normal);
+  const RoadPlane<double> road = plane_under(tyre, wheel.centre, wheel.axle);
+  const Vector3d normal = numbers(road.normal);
+  expect_upright(normal);
+  if (const double height = normal.dot(centre - numbers(road.point)); !(height > least_radius * tyre.radius))
+    fail_on_road(tyre,
+                 fmt::format("passes through the road: its centre is {:.4g} m above it, its radius {:.4g} m",
+                             height, tyre.radius),
+                 "give the tyre more stiffness or damping, or keep the vehicle from overturning");
+  const Contact<double> c = contact_of(tyre, wheel, road);
   const Eigen::Vector2d now = state.z.segment<2>(tyre.state),
                         known =
                             state.z_weight > 0 ? Eigen::Vector2d(state.z_known.segment<2>(tyre.state)) : now;
@@ -229,14 +203,14 @@ TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector
     moved.w[static_cast<std::size_t>(i)].by[6 + i] = 1;
     moved.v0[static_cast<std::size_t>(i)].by[9 + i] = 1;
   }
-  const Contact<Full> d = contact_of(tyre, moved);
+  const Contact<Full> d = contact_of(tyre, moved, plane_under(tyre, moved.centre, moved.axle));
   const Full x = Full::argument(w[0], 12), y = Full::argument(w[1], 13);
   const std::array<Full, 2> g = rates(tyre, d, x, y);
   const Forces<Full> f = forces(tyre, moved, d, x, y, g);
 
   TyreForce out;
   out.p = numbers(d.p);
-  out.along = numbers(d.along), out.across = numbers(d.across), out.normal = tyre.normal;
+  out.along = numbers(d.along), out.across = numbers(d.across), out.normal = numbers(d.normal);
   out.force << f.x.value, f.y.value, d.load.value;
   out.aligning = f.aligning.value, out.resistance = f.resistance.value;
   out.wrench << numbers(f.torque), numbers(f.force);
@@ -244,7 +218,8 @@ TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector
   out.radius = d.radius.value;
   if (d.deflection.value > 0) {
     out.energy = 0.5 * tyre.stiffness * d.deflection.value * d.deflection.value;
-    out.lost = -tyre.stiffness * d.deflection.value * d.closing.value;
+    // On a curved road the deflection has another rate than the point of contact.
+    out.lost = tyre.stiffness * d.deflection.value * d.radius.by.head<6>().dot(V);
   }
   out.lost -= out.power;
   out.w << w[0], w[1];

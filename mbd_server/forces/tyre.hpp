@@ -1,5 +1,6 @@
-// The brush tyre on a plane road: a vertical spring and damper, a brush with parabolic pressure whose slip
-// follows with a relaxation length, and rolling resistance ([Pacejka2012], chapters 3 and 7).
+// The brush tyre on the plane of the road under it (forces/tyre_road.hpp): a vertical spring and damper, a
+// brush with parabolic pressure whose slip follows with a relaxation length, and rolling resistance
+// ([Pacejka2012], chapters 3 and 7).
 //
 // The two states of a tyre are the deflections of its tread along and across the wheel's plane. They obey
 //   w' = -V_s - (|V_r| + |V_s| g(psi)) w / sigma,   g = max(0, psi - 1)
@@ -32,7 +33,7 @@ struct TyreForce {
   Matrix6d by_displacement = Matrix6d::Zero(), by_velocity = Matrix6d::Zero();
 };
 
-// Throws Error{numerics} where the wheel lies on the road or passes through it.
+// Throws Error{numerics} where the wheel lies on the road or passes through it, and as plane_under().
 TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector<LinkMotion>& links);
 
 }  // namespace tandem::mbd

@@ -13,6 +13,8 @@ namespace tandem::mbd {
 namespace {
 
 constexpr int leaf = 4;  // faces
+// A ray that passes an edge by less than this share of its length meets it.
+constexpr double on_edge = 1e-9;
 
 std::size_t index(int i) {
   return static_cast<std::size_t>(i);
@@ -216,7 +218,7 @@ void ContactMesh::cast(const Vector3d& from, const Vector3d& along, const Hit& h
       const double s = (node.low[k] - from[k]) / along[k], t = (node.high[k] - from[k]) / along[k];
       enter = std::max(enter, std::min(s, t)), leave = std::min(leave, std::max(s, t));
     }
-    if (enter > leave) continue;
+    if (enter > leave + on_edge * std::abs(leave)) continue;
     if (node.count == 0) {
       open.push_back(node.right), open.push_back(node.left);
       continue;
@@ -231,11 +233,38 @@ void ContactMesh::cast(const Vector3d& from, const Vector3d& along, const Hit& h
       bool inside = true;
       for (std::size_t k = 0; k < 3; ++k) {
         const Vector3d &a = point(face(f).corners[k]), &b = point(face(f).corners[(k + 1) % 3]);
-        inside &= (b - a).cross(p - a).dot(face(f).normal) >= 0;
+        inside &= (b - a).cross(p - a).dot(face(f).normal) >= -on_edge * (b - a).squaredNorm();
       }
       if (inside) hit(distance, f);
     }
   }
+}
+
+std::pair<double, int> ContactMesh::distance(const Vector3d& p) const {
+  std::pair<double, int> nearest{HUGE_VAL, none};
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const Face& at = faces_[f];
+    const double height = at.normal.dot(p - point(at.corners[0]));
+    bool above = true;
+    double d = HUGE_VAL;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3d &a = point(at.corners[k]), e = point(at.corners[(k + 1) % 3]) - a;
+      above &= e.cross(p - a).dot(at.normal) >= 0;
+      const double along = std::clamp(e.dot(p - a) / e.squaredNorm(), 0.0, 1.0);
+      d = std::min(d, (p - a - along * e).norm());
+    }
+    if (above) d = std::abs(height);
+    if (d < nearest.first) nearest = {d, static_cast<int>(f)};
+  }
+  return nearest;
+}
+
+void ContactMesh::meet(const Vector3d& from, const Vector3d& along, std::vector<Crossing>& crossings) const {
+  crossings.clear();
+  cast(from, along, [&](double distance, int f) { crossings.push_back({distance, f}); });
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+    return a.distance < b.distance || (a.distance == b.distance && a.face < b.face);
+  });
 }
 
 void ContactMesh::measure_thickness() {

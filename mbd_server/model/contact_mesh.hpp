@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/triangle_mesh.hpp"
@@ -65,6 +66,16 @@ class ContactMesh {
   void near(const Vector3d& low, const Vector3d& high, std::vector<int>& faces) const;
   // Whether a closed surface encloses the point.
   bool encloses(const Vector3d& p) const;
+  // Distance from a point to the surface [m], and the nearest face. Takes time in proportion to the faces.
+  std::pair<double, int> distance(const Vector3d& p) const;
+  // A face that a ray meets at `distance`, in units of the length of `along`. An edge belongs to both of its
+  // faces.
+  struct Crossing {
+    double distance = 0;
+    int face = none;
+  };
+  // The nearest first.
+  void meet(const Vector3d& from, const Vector3d& along, std::vector<Crossing>& crossings) const;
 
  private:
   struct Node {

@@ -21,6 +21,7 @@
 #include "mbd_server/model/element.hpp"
 #include "mbd_server/model/force_law.hpp"
 #include "mbd_server/model/periodic_curve.hpp"
+#include "mbd_server/model/road.hpp"
 #include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
@@ -103,14 +104,15 @@ struct BushingOnLinks {
   int account = none;
 };
 
-// The force of a plane road on a wheel, see scene::Tyre. Its first-order states are the deflections of the
+// The force of a road on a wheel, see scene::Tyre. Its first-order states are the deflections of the
 // tread (forces/tyre.hpp).
 struct TyreOnLink {
   std::string name;
   PointOnBody centre;                             // of the wheel
   Vector3d axle = Vector3d::UnitY();              // link axes
-  Vector3d normal = Vector3d::UnitZ();            // of the road, world axes
-  double height = 0;                              // of the road along the normal, from Model::origin [m]
+  Vector3d normal = Vector3d::UnitZ();            // of a plane road; of another upwards; world axes
+  double height = 0;                              // of a plane along the normal, from Model::origin [m]
+  std::shared_ptr<const Road> road{};             // null: the plane
   double radius = 0, stiffness = 0, damping = 0;  // [m], [N/m], [N s/m]
   double friction = 0;
   double slip_stiffness = 0, cornering_stiffness = 0;  // over the load

@@ -101,6 +101,7 @@ class Builder {
     place_closures(place_, model_);
     place_forces(place_, model_);
     place_contacts(place_, meshes_, model_);
+    place_roads(scene_, model_);
     find_boundary();
     find_breaks();
     find_what_can_be_left_out();

@@ -315,4 +315,23 @@ void place_contacts(const Placement& placement, const std::vector<NamedMesh>& me
     for (int b = 0; b < count; ++b) model.contact.laws.push_back(placer.law(a, b));
 }
 
+// The ground's shapes are the first ones, in their order.
+void place_roads(const scene::Scene& scene, Model& model) {
+  std::size_t next = 0;
+  for (const scene::Force& force : scene.mbd->forces) {
+    const auto* from = std::get_if<scene::Tyre>(&force);
+    if (!from) continue;
+    TyreOnLink& tyre = model.tyres[next++];
+    if (from->road.empty()) continue;
+    const auto road = std::make_shared<Road>();
+    for (const std::string& name : from->road) {
+      const auto& ground = scene.contact->ground;
+      const auto index = std::ranges::find(ground, name, &scene::Shape::name) - ground.begin();
+      const ContactShape& shape = model.contact.shape(static_cast<int>(index));
+      road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2)});
+    }
+    tyre.road = road;
+  }
+}
+
 }  // namespace tandem::mbd

@@ -33,6 +33,8 @@ void place_closures(const Placement& placement, Model& model);
 void place_forces(const Placement& placement, Model& model);
 // `meshes`: as of build_model().
 void place_contacts(const Placement& placement, const std::vector<NamedMesh>& meshes, Model& model);
+// After the contacts, whose shapes the roads are.
+void place_roads(const scene::Scene& scene, Model& model);
 void add_stiction(Model& model);
 // `inputs`: names of the control inputs.
 void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,

@@ -58,8 +58,7 @@ void BodyContacts::find(State& state, double h) {
       candidates_.push_back({feature, column});
       if (column < 0) continue;
       taken[static_cast<std::size_t>(column)] = true;
-      if (feature.on_mesh) turned_ |= follow(state, feature, column);
-      set_feature(feature, state.contacts.col(column));
+      turned_ |= follow(state, feature, column);
       kept.push_back(column);
     }
   }
@@ -252,6 +251,8 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
                        links[static_cast<std::size_t>(b.link)], column);
   }
   state.contacts.col(index) = column;
+  // A point that takes the place of another one begins with the energy of its depth.
+  if (state.steps > 0) lose(-normal_energy(law, -t.gap), feature.a, feature.b);
   shorten(state, column);
   ++counters_.contacts;
 }

@@ -20,8 +20,6 @@ constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
 // A ball on a mesh: the distance to the feature that the step holds may differ from that to the mesh by this
 // share of the depth.
 constexpr double off_share = 1e-3;
-// Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
-constexpr double start_overlap = 0.1;
 
 }  // namespace
 
@@ -47,20 +45,6 @@ BodyContacts::BodyContacts(const Model& model, GeneralizedAlpha& method, Machine
   }
   if (!model.contact.empty()) impulses_.setZero(6, std::ssize(model.boundary));
   if (!model.contact.empty()) find_machines();
-}
-
-void BodyContacts::prepare(State& state) {
-  if (model_.contact.empty()) return;
-  state.contacts.setZero(ContactRow::count, 0);
-  state.touch_step.setZero(1);
-  state.contact_wrench.setZero(6, std::ssize(model_.boundary));
-  system_.residual(state);
-  find(state, 0);
-  expect_outside();
-  enter_all(state, true);
-  if (records_impulses_) record(state, at_begin_, state.contact_wrench);
-  expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
-               "move one of them: they would be thrown apart");
 }
 
 // Throws where two shapes overlap by more than this share of the thinner one: what they do then is no

@@ -35,6 +35,14 @@ struct ContactExtremes {
   int shape_a = none, shape_b = none;  // of that depth
 };
 
+// Energy of the contacts at the start that no load holds: it throws bodies apart.
+struct ReleasedAtStart {
+  double energy = 0;                  // [J]
+  double largest = 0;                 // of one point, whose data follow [J]
+  double depth = 0, depth_share = 0;  // [m]; over that to the middle of the thinner shape [-]
+  int shape_a = none, shape_b = none;
+};
+
 class BodyContacts {
  public:
   // Takes one step of at most the given length of the state, and returns its length [s].
@@ -46,6 +54,9 @@ class BodyContacts {
 
   // Sets the contacts of a state at the start: shapes that overlap or touch there are in contact.
   void prepare(State& state);
+  // Finds what is released at the start, when the method has started there.
+  void note_start(State& state);
+  const ReleasedAtStart& released() const { return released_; }
   // The requested step, up to which steps grow again after a contact [s], and the energy that moves [J].
   void begin(double requested, double energy_scale) {
     requested_ = requested;
@@ -150,6 +161,8 @@ class BodyContacts {
   int machine_of(int shape) const;
   void find_masses();
   void enter(State& state, const Entry& entry, Eigen::Index index);
+  // Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
+  static constexpr double start_overlap = 0.1;
   static constexpr double steps_per_contact = 32;    // of the duration of an impact
   static constexpr double steps_per_vibration = 16;  // of half a period of a contact that vibrates
   static constexpr double growth = 2;                // of the steps after a contact
@@ -183,6 +196,7 @@ class BodyContacts {
   double lost_ = 0;              // [J]
   std::vector<double> lost_of_;  // share of each output [J]
   ContactExtremes extremes_;
+  ReleasedAtStart released_;
   std::vector<int> boundary_of_;  // boundary body of each shape; none: it has none (shapes)
   bool records_impulses_ = false;
   Wrenches at_begin_wrench_, at_end_wrench_, impulses_;

@@ -97,14 +97,17 @@ void BodyContacts::enter_watched(Watch& watch, bool at_start) {
   }
 }
 
-// The point touches with another part of the mesh. True where its normal has another direction: the body then
-// approaches the surface at once, and the next steps resolve it.
+// The point touches with the feature as it is now: of a face its corners have moved along its edges, on a
+// mesh another part may be nearest. The energy of its spring that this takes counts as dissipated. True where
+// the normal on a mesh has another direction: the body then approaches the surface at once, and the next
+// steps resolve it.
 bool BodyContacts::follow(State& state, const ContactFeature& feature, Eigen::Index index) {
   auto column = state.contacts.col(index);
   const ContactForce before = evaluate(model_, column, system_.links(), Derivatives::without);
   set_feature(feature, column);
   const ContactForce after = evaluate(model_, column, system_.links(), Derivatives::without);
   lose(before.energy - after.energy, feature.a, feature.b);
+  if (!feature.on_mesh) return false;
   const double jump = after.n.dot(after.velocity) - before.n.dot(before.velocity);
   if (!(0.5 * column[ContactRow::mass] * jump * jump > least_jump * energy_scale_)) return false;
   shorten(state, column);
@@ -123,21 +126,6 @@ void BodyContacts::expect_round_side(const ContactFeature& f, double gap) const 
         "mbd.contact",
         "cylinders touch as wheels do, with their round side: give it a convex_hull as its shape of contact");
   }
-}
-
-// Throws where a body starts inside a closed mesh.
-void BodyContacts::expect_outside() const {
-  for (const NearPair& pair : pairs_)
-    for (const auto& [m, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
-      const ContactShape &mesh = model_.contact.shape(m), &body = model_.contact.shape(other);
-      if (!mesh.mesh || body.points.empty()) continue;
-      const auto& links = system_.links();
-      const Vector3d p = in_link(links[static_cast<std::size_t>(mesh.link)],
-                                 links[static_cast<std::size_t>(body.link)].point(body.centre));
-      if (mesh.mesh->encloses(p))
-        throw Error(ErrorCode::scene, body.name + " is inside " + mesh.name + " at the start", "mbd.contact",
-                    "move one of them: shapes touch from outside");
-    }
 }
 
 }  // namespace tandem::mbd

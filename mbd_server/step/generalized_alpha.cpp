@@ -233,6 +233,7 @@ bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust)
     } catch (const Error& error) {
       if (error.code() != ErrorCode::numerics) throw;
       singular_ = true;
+      failure_ = error;
     }
   }
   return false;
@@ -360,6 +361,9 @@ bool GeneralizedAlpha::correct(System& system, State& state, double h, Trust tru
 void GeneralizedAlpha::give_up(const System& system, double h) const {
   const std::string obstacle = system.obstacle();
   const std::string at = fmt::format("at t = {:.9g} s with a step of {:.3g} s", last_time_, h);
+  if (singular_ && failure_)
+    throw Error(ErrorCode::numerics, fmt::format("{} ({})", failure_->problem(), at), failure_->where(),
+                failure_->hint());
   throw Error(
       ErrorCode::numerics,
       singular_ || !std::isfinite(last_norm_)

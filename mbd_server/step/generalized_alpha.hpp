@@ -119,7 +119,9 @@ class GeneralizedAlpha final : public ControlledMethod {
   double last_norm_ = 0, last_time_ = 0;
   int last_iterations_ = 0;
   ShortenedSteps shortened_;
-  bool singular_ = false;  // the system was singular at an iterate of the last try_step() that failed
+  // The system had no forces at an iterate of the last try_step() that failed, and why.
+  bool singular_ = false;
+  std::optional<Error> failure_;
 };
 
 }  // namespace tandem::mbd

@@ -209,6 +209,30 @@ const WrongScene elements[] = {
      ELEMENT(
          R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [2, 0, 0], "road_point": [-0.3, 0, 0]})"),
      "mbd.forces[0].road_normal: [2, 0, 0] has length 2, not 1 (the unit one is [1, 0, 0])"},
+    {"RoadAndPlane",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane"], "road_point": [0, 0, 0]})"),
+     "mbd.forces[0].road_point: the road is that of the shapes in 'road', not a plane through a point (leave "
+     "out road_point or road)"},
+    {"RoadWithoutPatch",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "road": ["lane"]})"),
+     "mbd.forces[0].patch_length: a tyre on shapes of the ground needs the length of its patch, and it is 0 "
+     "(give patch_length: the road under the tyre is the plane through points of its patch)"},
+    {"RoadWithoutContact",
+     ELEMENT(
+         R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane"]})"),
+     "mbd.forces[0].road[0]: the scene has no mbd.contact, whose ground has the roads (add mbd.contact with "
+     "the shape 'lane' in its ground, or leave out road)"},
+    {"RoadThatDoesNotExist",
+     R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6}], "ground": [{"name": "kerb", "material": "m", "shape": {"type": "box", "size": [1, 1, 1]}}, {"name": "lane", "material": "m", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}]}}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lame"]}}])",
+     "mbd.forces[0].road[0]: unknown name 'lame' (did you mean 'lane'?)"},
+    {"RoadOfABox",
+     R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6}], "ground": [{"name": "kerb", "material": "m", "shape": {"type": "box", "size": [1, 1, 1]}}, {"name": "lane", "material": "m", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}]}}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane", "kerb"]}}])",
+     "mbd.forces[0].road[1]: 'kerb' is a box (roads are planes, meshes and height fields)"},
+    {"RoadTwice",
+     R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6}], "ground": [{"name": "kerb", "material": "m", "shape": {"type": "box", "size": [1, 1, 1]}}, {"name": "lane", "material": "m", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}]}}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane", "lane"]}}])",
+     "mbd.forces[0].road[0]: 'lane' is given twice (leave one of them out)"},
     {"DrumThatSlides",
      ELEMENT(
          R"({"name": "r", "type": "rope", "drum": "slide", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),

@@ -484,6 +484,35 @@ Drop drop(std::uint64_t seed, int windows) {
   return result;
 }
 
+// What the steps leave out is that of the steps: the force that begins at the end of a long one is no part of
+// it.
+TEST(Contact, ABeginningContactIsNoErrorOfTheStepBefore) {
+  ContactScene s;
+  s.add_floor();
+  s.add_ball("ball", 1, 0.1, {0, 0, 0.6});
+  s.body({0}).twist.v_WB = {2, 0, 0};
+  s.material() = {"stuff", 1e5, 0, 0, 0.5, 0.4};
+  ContactRun run(s.scene, 5e-3);
+  run.advance(90);
+  expect_near("sum of the local errors over the size of the machine",
+              run.facts().at("mbd_local_error_sum").get<double>(), 0, 1e-3);
+}
+
+// Bodies that overlap at the start fly apart, and the run says so; those that their weight presses do not.
+TEST(Contact, AnOverlapAtTheStartIsNamed) {
+  for (const bool at_rest : {false, true}) {
+    ContactScene s;
+    s.add_floor();
+    s.add_box("box", 1, {0.2, 0.2, 0.1}, {0, 0, 0.05 - (at_rest ? g / 4e6 : 2e-3)});
+    s.material() = {"stuff", 1e6, 0, 0, 0.5, 0.4};
+    ContactRun run(s.scene, 5e-3);
+    run.advance(20);
+    const std::string warnings = run.facts().at("warnings").dump();
+    std::printf("  %s\n", warnings.c_str());
+    EXPECT_EQ(warnings.find("overlap at the start by 0.002 m") != std::string::npos, !at_rest);
+  }
+}
+
 TEST(Contact, RandomDropsStayInTheirBox) {
   for (const std::uint64_t seed : {1, 2, 3}) EXPECT_LT(drop(seed, 60).fastest, 10);
   EXPECT_EQ(drop(1, 40).hash, drop(1, 40).hash);

@@ -298,6 +298,20 @@ TEST(MeshContact, BadMeshesAreRefused) {
   inside.add_ground_mesh("block", box_mesh({4, 4, 4}));
   inside.add_ball("ball", 1, 0.1, {0, 0, 0});
   EXPECT_NE(refusal_of(inside, 0).find("is inside"), std::string::npos) << refusal_of(inside, 0);
+  // A rod that pierces a plate: its centre and its ends are outside.
+  MeshScene pierced;
+  pierced.add_ground_mesh("plate", box_mesh({4, 4, 0.1}));
+  pierced.add("rod", 1, {1, 1, 0.1}, {0.3, 0.2, 0.4}, scene::CapsuleShape{0.03, 2, {}});
+  EXPECT_NE(refusal_of(pierced, 0).find("is inside"), std::string::npos) << refusal_of(pierced, 0);
+  // A box that reaches into a block with one end, and one around a mesh.
+  MeshScene reaching;
+  reaching.add_ground_mesh("block", box_mesh({4, 4, 4}));
+  reaching.add_box("bar", 1, {6, 0.2, 0.2}, {4.5, 0.3, 0.2});
+  EXPECT_NE(refusal_of(reaching, 0).find("is inside"), std::string::npos) << refusal_of(reaching, 0);
+  MeshScene around;
+  around.add_ground_mesh("stone", box_mesh({0.2, 0.2, 0.2}));
+  around.add_box("case", 1, {4, 4, 4}, {1, 0, 0});
+  EXPECT_NE(refusal_of(around, 0).find("is inside"), std::string::npos) << refusal_of(around, 0);
   MeshScene behind({0, 0, 9});
   behind.add_ground_mesh("sheet", irregular_plane(4, 8));
   behind.add_ball("ball", 1, 0.1, {0.03, 0.02, -0.5});

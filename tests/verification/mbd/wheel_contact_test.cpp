@@ -100,6 +100,41 @@ TEST(WheelContact, TheAxleGoesAroundTheEdgeOfAStep) {
   }
 }
 
+// A wheel that stands before a step climbs it by a torque of its load times the lever of its centre about the
+// edge: T = W sqrt(2 R h - h^2). The work of the torque is in the motion, the height and the loss.
+TEST(WheelContact, TheTorqueThatClimbsAStep) {
+  const double R = 0.3, step = 0.05, m = 60, T = (m + 1) * g * std::sqrt(2 * R * step - step * step);
+  double lifted[2] = {};
+  for (const int drives : {0, 1}) {
+    MeshScene s;
+    s.add_floor();
+    s.add_ground("kerb", scene::BoxShape{{4, 2, 2 * step}, {}}).pose.p_WB = {2, 0, 0};
+    const Vec3d at{-std::sqrt(2 * R * step - step * step) - 1e-4, 0, R};
+    const BodyId cart = machines::add_body(s.scene, "cart", 1, {1, 1, 1}, at),
+                 hub = machines::add_body(s.scene, "hub", 1, {1, 1, 1}, at),
+                 wheel = add_wheel(s, m, R, 0.2, at);
+    machines::add_joint(s.scene, "way", scene::JointType::prismatic, ground, cart, at, {1, 0, 0});
+    machines::add_joint(s.scene, "slide", scene::JointType::prismatic, cart, hub, at, {0, 0, 1});
+    machines::add_joint(s.scene, "axle", scene::JointType::revolute, hub, wheel, at, {0, 1, 0});
+    // Slowly to its value: the wheel comes to the step first.
+    scene::Actuator motor;
+    motor.name = "motor", motor.joint = {2};
+    motor.size = scene::RampMotion{.to = (drives ? 1.02 : 0.98) * T, .duration = 4};
+    s.scene.mbd->forces.push_back(motor);
+    s.material() = {"stuff", 1e8, 0, 0, 0.05, 1.2};
+    ContactRun run = s.run(5e-3);
+    for (int i = 0; i < 1000 && lifted[drives] < 0.99 * step; ++i) {
+      run.advance(1);
+      lifted[drives] = run.position(2).z - R;
+    }
+    const double balance = run.facts().at("mbd_largest_energy_balance_J").get<double>();
+    expect_near(drives ? "energy balance of the climb [J]" : "energy balance before the step [J]", balance, 0,
+                1e-2 * m * g * step);
+  }
+  expect_near("0.98 of the torque lifts the wheel by [m]", lifted[0], 0, 1e-3 * step);
+  expect_near("1.02 of it lifts it by [m]", lifted[1], step, 0.02 * step);
+}
+
 // Over a bump of a height field the axle follows the highest circle about a point of the profile.
 TEST(WheelContact, RollsOverABumpOfAHeightField) {
   const double R = 0.3, k = 1e7, v = 0.3;

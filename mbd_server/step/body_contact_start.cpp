@@ -1,0 +1,79 @@
+// Contacts at the start: bodies that touch there, what must not be, and what flies apart.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mbd_server/contact/overlap.hpp"
+#include "mbd_server/step/body_contacts.hpp"
+
+namespace tandem::mbd {
+
+void BodyContacts::prepare(State& state) {
+  if (model_.contact.empty()) return;
+  state.contacts.setZero(ContactRow::count, 0);
+  state.touch_step.setZero(1);
+  state.contact_wrench.setZero(6, std::ssize(model_.boundary));
+  system_.residual(state);
+  find(state, 0);
+  expect_outside();
+  enter_all(state, true);
+  if (records_impulses_) record(state, at_begin_, state.contact_wrench);
+  expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
+               "move one of them: they would be thrown apart");
+}
+
+// Throws where a body starts inside a mesh, or a mesh inside a body.
+void BodyContacts::expect_outside() const {
+  for (const NearPair& pair : pairs_)
+    for (const auto& [m, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
+      const ContactShape &mesh = model_.contact.shape(m), &body = model_.contact.shape(other);
+      if (!mesh.mesh || body.points.empty() || body.kind == ContactShape::Kind::mesh) continue;
+      const Overlap found = find_overlap(model_, other, m, system_.links(), start_overlap);
+      if (found.depth > 0)
+        throw Error(ErrorCode::scene,
+                    fmt::format("{} is inside {} at the start, by {:.3g} m; the thinner one reaches {:.3g} m "
+                                "from its middle",
+                                body.name, mesh.name, found.depth, found.thinner),
+                    "mbd.contact", "move one of them: shapes touch from outside");
+    }
+}
+
+// A contact whose loads hold it has no acceleration that opens it.
+void BodyContacts::note_start(State& state) {
+  released_ = {};
+  if (state.contacts.cols() == 0) return;
+  const auto rates = [&](const State& at, std::vector<double>& rate) {
+    system_.residual(at);
+    rate.clear();
+    for (Eigen::Index k = 0; k < at.contacts.cols(); ++k)
+      gap(model_, feature_of(at.contacts.col(k)), system_.links(), &rate.emplace_back());
+  };
+  std::vector<double> before, after;
+  rates(state, before);
+  const double dt = 1e-3 * state.step;
+  State ahead = state;
+  ahead.time += dt;
+  ahead.u += dt * state.udot;
+  unit_ = dt * state.u + 0.5 * dt * dt * state.udot;
+  system_.move(state.q, unit_, ahead.q);
+  rates(ahead, after);
+  system_.residual(state);
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const ContactColumn column = state.contacts.col(k);
+    const ContactForce f = evaluate(model_, column, system_.links(), Derivatives::without);
+    if (!(f.normal > 0)) continue;
+    const double opening = (after[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)]) / dt,
+                 share = std::clamp(column[ContactRow::mass] * opening / f.normal, 0.0, 1.0),
+                 energy = share * f.energy;
+    released_.energy += energy;
+    if (!(energy > released_.largest)) continue;
+    released_.largest = energy;
+    released_.depth = -f.gap;
+    released_.depth_share = -f.gap / thickness_at(model_, feature_of(column));
+    released_.shape_a = static_cast<int>(column[ContactRow::shape_a]);
+    released_.shape_b = static_cast<int>(column[ContactRow::shape_b]);
+  }
+}
+
+}  // namespace tandem::mbd
