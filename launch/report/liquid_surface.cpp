@@ -53,7 +53,7 @@ Frame with_liquid_surface(Frame frame, const fs::path& folder) {
                  .folder = folder,
                  .log = fs::absolute(folder / "liquid_surface.log"),
                  .patience = std::chrono::seconds(300)})) {
-    log::warn("the liquid is drawn as spheres");
+    log::warn("the liquid is drawn as spheres; its surface needs the Debian package python3-skimage");
     return frame;
   }
   const Hdf5File file = Hdf5File::open(surface.path);
