@@ -14,10 +14,4 @@ inline void expect_figure(const char* what, double expected, double measured, do
   EXPECT_LE(std::fabs(measured - expected), tolerance) << what;
 }
 
-// The same for a figure that docs/validation.md lists as not met: it is printed, and no failure.
-inline void print_figure(const char* what, double expected, double measured, double wanted) {
-  std::printf("  %-46s expected %12.6g  measured %12.6g  wanted within %8.2g: %s\n", what, expected, measured,
-              wanted, std::fabs(measured - expected) <= wanted ? "met" : "not met");
-}
-
 }  // namespace tandem::test

@@ -6,15 +6,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
-#include <string>
 #include <vector>
 
 #include "sph_server/engine/fill_region.hpp"
 #include "sph_server/engine/probe.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
 namespace {
@@ -25,21 +23,6 @@ constexpr double g = 9.81, H = 0.3, column = 0.6, tank = 1.61, tank_height = 0.6
 constexpr std::array sensor_height{0.003, 0.015, 0.030, 0.080};                    // [m]
 constexpr double end = 5;                                                          // times are t sqrt(g/H)
 constexpr double sample = 0.005;
-
-// Rows of numbers of a file with one line of names; empty where it is absent.
-std::vector<std::vector<double>> rows_of(const std::string& path) {
-  std::ifstream file(path);
-  std::vector<std::vector<double>> rows;
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream text(line);
-    std::vector<double>& row = rows.emplace_back();
-    for (double value = 0; text >> value;) row.push_back(value);
-  }
-  return rows;
-}
 
 // Pressure of each sensor / (rho g H) at the times 0, sample, ...
 using Record = std::vector<std::array<double, sensor_height.size()>>;
@@ -127,8 +110,7 @@ double mean(const Record& record, std::size_t sensor, double from, double to) {
 class Impact : public testing::TestWithParam<int> {};
 
 TEST_P(Impact, OnTheFarWall) {
-  const auto measured =
-      rows_of(std::string(SHARED_DATA) + "/dambreak_lobovsky2014/sensor2_H300_percentiles.csv");
+  const auto measured = measured_rows("dambreak_lobovsky2014/sensor2_H300_percentiles.csv");
   if (measured.empty()) GTEST_SKIP() << "the data of [Lobovsky2014] are not beside the project";
   const Record record = run(GetParam());
   constexpr std::size_t second = 1;
@@ -156,8 +138,8 @@ TEST_P(Impact, OnTheFarWall) {
     std::printf("  sensor %zu: pressure at 2.6, 3, 3.5, 4, 4.5: %.3f %.3f %.3f %.3f %.3f\n", s + 1,
                 mean(record, s, 2.55, 2.65), mean(record, s, 2.95, 3.05), mean(record, s, 3.45, 3.55),
                 mean(record, s, 3.95, 4.05), mean(record, s, 4.45, 4.55));
-  print_figure("pressure from 4 to 5, sensor 2, / experiment", 1,
-               mean(record, second, 4, 5) / (plateau / of_plateau), 0.1);
+  expect_figure("pressure from 4 to 5, sensor 2, / experiment", 1,
+                mean(record, second, 4, 5) / (plateau / of_plateau), 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Spacings, Impact, testing::Values(10, 15));
