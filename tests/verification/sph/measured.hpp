@@ -9,7 +9,8 @@
 
 namespace tandem::test {
 
-// Rows of numbers of a file of measurements beside the project, without its line of names; empty where it is absent.
+// Rows of numbers of a file of measurements beside the project, without its line of names; empty where it is
+// absent.
 inline std::vector<std::vector<double>> measured_rows(const std::string& name) {
   std::ifstream file(std::string(SHARED_DATA) + "/" + name);
   std::vector<std::vector<double>> rows;
