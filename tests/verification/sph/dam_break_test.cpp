@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
-#include <string>
 #include <vector>
 
 #include "sph_server/engine/fill_region.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
 namespace {
@@ -91,21 +89,16 @@ TEST(DamBreak, ConvergesToItsOwnFineRun) {
   EXPECT_LT(second, first);
   expect_figure("front of 8 spacings - that of 12 / L", 0, second, 0.1);
 
-  const std::string path = std::string(SHARED_DATA) + "/dambreak_koshizuka_oka1996/koshizuka_oka1996_exp.csv";
-  std::ifstream file(path);
-  if (!file) {
-    std::printf("  no comparison with the experiment: %s is not there\n", path.c_str());
+  const auto measured = measured_rows("dambreak_koshizuka_oka1996/koshizuka_oka1996_exp.csv");
+  if (measured.empty()) {
+    std::printf("  no comparison with the experiment: %s has no data of it\n", SHARED_DATA);
     return;
   }
-  std::string line;
-  std::getline(file, line);
   double squares = 0;
   int counted = 0;
-  while (std::getline(file, line)) {
-    std::istringstream row(line);
-    double time = 0, position = 0;
-    char comma = 0;
-    if (!(row >> time >> comma >> position) || time >= 0.1 * static_cast<double>(fine.size() - 1)) continue;
+  for (const auto& row : measured) {
+    const double time = row[0], position = row[1];
+    if (time >= 0.1 * static_cast<double>(fine.size() - 1)) continue;
     const double at = time * 10;
     const auto before = static_cast<std::size_t>(at);
     const double here = fine[before] + (at - static_cast<double>(before)) * (fine[before + 1] - fine[before]);
