@@ -12,7 +12,7 @@
 #include "tests/verification/coupling/real_run.hpp"
 
 namespace tandem::test {
-namespace {
+namespace adaptive_test {
 
 constexpr double end_time = 1.5;  // [s]
 
@@ -158,5 +158,5 @@ TEST(AdaptiveReal, RejectedWindowsLeaveNoTrace) {
   EXPECT_EQ(straight.dem.observe().velocity, tried.dem.observe().velocity);
 }
 
-}  // namespace
+}  // namespace adaptive_test
 }  // namespace tandem::test

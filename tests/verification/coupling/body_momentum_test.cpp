@@ -12,7 +12,7 @@
 #include "tests/doubles/coupled_run.hpp"
 
 namespace tandem::test {
-namespace {
+namespace body_momentum_test {
 
 using namespace protocol;
 
@@ -221,5 +221,5 @@ TEST(BodyMomentum, OnlyBodiesWithoutOtherForcesAreWatched) {
   EXPECT_FALSE(watched(driven));
 }
 
-}  // namespace
+}  // namespace body_momentum_test
 }  // namespace tandem::test

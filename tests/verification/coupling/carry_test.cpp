@@ -13,7 +13,7 @@
 #include "common/math/spectral_radius.hpp"
 
 namespace tandem::test {
-namespace {
+namespace carry_test {
 
 double growth(double s, double zeta, double w) {
   std::vector<double> map;  // by columns: x, v, p
@@ -52,5 +52,5 @@ TEST(CarriedImpulse, CostsTheStabilityThatTheSchemeIsFor) {
   }
 }
 
-}  // namespace
+}  // namespace carry_test
 }  // namespace tandem::test

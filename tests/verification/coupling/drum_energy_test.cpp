@@ -9,7 +9,7 @@
 #include "tests/verification/coupling/real_run.hpp"
 
 namespace tandem::test {
-namespace {
+namespace drum_energy_test {
 
 using Json = nlohmann::json;
 
@@ -84,5 +84,5 @@ TEST_P(DrumEnergy, OfTheMotorIsStoredOrDissipated) {
   for (const double term : {drum, grains, damped, contacts}) EXPECT_GT(term, 2 * tolerance);
 }
 
-}  // namespace
+}  // namespace drum_energy_test
 }  // namespace tandem::test

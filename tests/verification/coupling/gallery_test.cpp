@@ -9,7 +9,7 @@
 #include "tests/verification/coupling/real_run.hpp"
 
 namespace tandem::test {
-namespace {
+namespace gallery_test {
 
 using Json = nlohmann::json;
 
@@ -134,5 +134,5 @@ TEST(LightPlate, ImplicitHoldsItInHeavyGrains) {
   }
 }
 
-}  // namespace
+}  // namespace gallery_test
 }  // namespace tandem::test

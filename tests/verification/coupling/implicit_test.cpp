@@ -9,7 +9,7 @@
 #include "tests/doubles/coupled_oscillator.hpp"
 
 namespace tandem::test {
-namespace {
+namespace implicit_test {
 
 using scene::Acceleration;
 using scene::Scheme;
@@ -143,5 +143,5 @@ TEST(Implicit, AnIteratedWindowIsThePlainOneAlongItsPath) {
   EXPECT_GT(pair.coupler().counters().iterations, 20u);
 }
 
-}  // namespace
+}  // namespace implicit_test
 }  // namespace tandem::test

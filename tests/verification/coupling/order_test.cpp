@@ -11,7 +11,7 @@
 #include "tests/doubles/coupled_oscillator.hpp"
 
 namespace tandem::test {
-namespace {
+namespace order_test {
 
 using scene::LoadShape;
 using scene::PathShape;
@@ -120,5 +120,5 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"implicit_linear", Scheme::implicit, LoadShape::linear, PathShape::linear, damping, 4, 4}),
     [](const auto& parameter) { return std::string(parameter.param.name); });
 
-}  // namespace
+}  // namespace order_test
 }  // namespace tandem::test

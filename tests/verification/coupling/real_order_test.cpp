@@ -14,7 +14,7 @@
 #include "tests/verification/coupling/real_run.hpp"
 
 namespace tandem::test {
-namespace {
+namespace real_order_test {
 
 constexpr double radius = 0.05, density = 2500, young = 2e7, poisson = 0.25, restitution = 0.5;
 constexpr double plate_mass = 2, spring = 2e4, gravity = 9.81;                 // [kg] [N/m] [m/s2]
@@ -162,5 +162,5 @@ INSTANTIATE_TEST_SUITE_P(SphereOnPlate, RealOrder,
                                          Case{"dem_first_second_order", second_order, 2, 0}),
                          [](const auto& parameter) { return std::string(parameter.param.name); });
 
-}  // namespace
+}  // namespace real_order_test
 }  // namespace tandem::test

@@ -11,7 +11,7 @@
 #include "tests/doubles/coupled_oscillator.hpp"
 
 namespace tandem::test {
-namespace {
+namespace stability_test {
 
 using scene::LoadShape;
 using scene::PathShape;
@@ -180,5 +180,5 @@ TEST(StabilityOnASupport, AgreesWithTheWindowMap) {
   std::printf("  growth per window: largest relative difference %.1e  tolerance 1e-3\n", worst);
 }
 
-}  // namespace
+}  // namespace stability_test
 }  // namespace tandem::test

@@ -15,7 +15,7 @@
 #include "tests/verification/dem/impact.hpp"
 
 namespace tandem::test {
-namespace {
+namespace belt_test {
 
 constexpr double R = 0.01, g = 9.81, V = 0.5, mu = 0.3, dt = 1e-5;
 constexpr std::uint32_t at_once = 50;
@@ -183,5 +183,5 @@ TEST(Belt, EndFaceDoesNotPush) {
   EXPECT_GE(speed, 0);
 }
 
-}  // namespace
+}  // namespace belt_test
 }  // namespace tandem::test

@@ -11,7 +11,7 @@
 #include "tests/verification/dem/impact.hpp"
 
 namespace tandem::test {
-namespace {
+namespace chung_ooi_test {
 
 class Impact : public testing::TestWithParam<Variant> {};
 const auto name_of = [](const auto& v) { return std::string(v.param.name); };
@@ -252,5 +252,5 @@ TEST_P(Impact, Test6SpinningSphere) {
   }
 }
 
-}  // namespace
+}  // namespace chung_ooi_test
 }  // namespace tandem::test

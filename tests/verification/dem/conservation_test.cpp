@@ -9,7 +9,7 @@
 #include "tests/support/tested_backend.hpp"
 
 namespace tandem::test {
-namespace {
+namespace conservation_test {
 
 struct Case {
   const char *name, *options;  // keys of dem that end in a comma
@@ -197,5 +197,5 @@ TEST(Gas, KeepsItsEnergyAtALongStep) {
   keep_energy(100000, 2e-5, 1e-4);
 }
 
-}  // namespace
+}  // namespace conservation_test
 }  // namespace tandem::test

@@ -18,7 +18,7 @@
 #include "tests/verification/dem/impact.hpp"
 
 namespace tandem::test {
-namespace {
+namespace extremes_test {
 
 // Both precisions of the pair arithmetic, with the same law.
 struct Precision {
@@ -321,5 +321,5 @@ TEST(Extremes, RestingBedStaysAtRest) {
   EXPECT_LT(moved, 1e-3 * 0.01);
 }
 
-}  // namespace
+}  // namespace extremes_test
 }  // namespace tandem::test

@@ -14,7 +14,7 @@
 #include "tests/support/tested_backend.hpp"
 
 namespace tandem::test {
-namespace {
+namespace precision_test {
 
 constexpr double R = 0.01, density = 2500, young = 1e9, poisson = 0.25,
                  restitution = 0.8;  // [m] [kg/m3] [Pa]
@@ -129,5 +129,5 @@ TEST(Precision, Creep) {
     }
 }
 
-}  // namespace
+}  // namespace precision_test
 }  // namespace tandem::test

@@ -11,7 +11,7 @@
 #include "tests/verification/dem/impact.hpp"
 
 namespace tandem::test {
-namespace {
+namespace round_walls_test {
 
 constexpr double R = 0.01, g = 9.81;  // radius of the ball [m], [m/s2]
 constexpr Ball ball{1e9, 0.3, 2500, 0.7, 0.3, R};
@@ -157,5 +157,5 @@ TEST(RoundWall, IsTheLimitOfPrisms) {
   }
 }
 
-}  // namespace
+}  // namespace round_walls_test
 }  // namespace tandem::test

@@ -12,7 +12,7 @@
 #include "tests/verification/dem/impact.hpp"
 
 namespace tandem::test {
-namespace {
+namespace tessellation_test {
 
 constexpr double R = 0.01;  // [m]
 
@@ -202,5 +202,5 @@ TEST_P(FlatWall, IsThePlaneOnABodyThatMoves) {
   }
 }
 
-}  // namespace
+}  // namespace tessellation_test
 }  // namespace tandem::test

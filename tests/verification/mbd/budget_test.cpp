@@ -10,7 +10,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace budget_test {
 
 TEST(Budget, SimplePendulumKeepsItsEnergy) {
   machines::Run run(machines::shipped("simple_pendulum"), 10.0 / 4050, 0.9, {1e-10, 20});
@@ -92,5 +92,5 @@ TEST(Budget, GovernorAt1e4) {
                 std::abs(run.position(1).z() - 0.619622917061), 1e-4, "m", cpu);
 }
 
-}  // namespace
+}  // namespace budget_test
 }  // namespace tandem::mbd

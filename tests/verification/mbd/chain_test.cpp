@@ -6,7 +6,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace chain_test {
 
 TEST(Chain, KeepsItsEnergyAtLinearCost) {
   for (const int links : {16, 64, 256, 1024}) {
@@ -20,5 +20,5 @@ TEST(Chain, KeepsItsEnergyAtLinearCost) {
   }
 }
 
-}  // namespace
+}  // namespace chain_test
 }  // namespace tandem::mbd

@@ -11,7 +11,7 @@
 #include "tests/verification/mbd/whole_run.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace drives_test {
 
 constexpr double inertia = .4;
 
@@ -254,5 +254,5 @@ TEST(Cylinder, StrokeIsReachedWithinItsForce) {
   EXPECT_NEAR(weak.state.q[0], fallen, 5e-2 * std::abs(fallen));
 }
 
-}  // namespace
+}  // namespace drives_test
 }  // namespace tandem::mbd

@@ -14,7 +14,7 @@
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace elements_test {
 
 using scene::JointCoordinate;
 using scene::JointType;
@@ -423,5 +423,5 @@ TEST(Sizes, GasOnAPistonOverTheAngleOfItsCrank) {
   }
 }
 
-}  // namespace
+}  // namespace elements_test
 }  // namespace tandem::mbd

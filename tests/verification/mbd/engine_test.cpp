@@ -18,7 +18,7 @@
 #include "tests/verification/mbd/recorded_run.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace engine_test {
 
 constexpr double pi = std::numbers::pi;
 constexpr int cylinders = 4;
@@ -257,5 +257,5 @@ TEST(EngineScene, RunsUpLikeItsEquationWithOneFreedom) {
   expect_figures_of_checks(scene, figures);
 }
 
-}  // namespace
+}  // namespace engine_test
 }  // namespace tandem::mbd

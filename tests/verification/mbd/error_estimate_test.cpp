@@ -5,7 +5,7 @@
 #include "tests/verification/mbd/whole_run.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace error_estimate_test {
 
 using Json = nlohmann::json;
 using machines::WholeRun;
@@ -60,5 +60,5 @@ TEST(ErrorEstimate, IsNearTheTrueError) {
   EXPECT_GE(estimated, 44);
 }
 
-}  // namespace
+}  // namespace error_estimate_test
 }  // namespace tandem::mbd

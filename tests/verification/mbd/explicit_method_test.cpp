@@ -11,7 +11,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace explicit_method_test {
 
 struct Explicit : machines::Run {
   DormandPrince method;
@@ -266,5 +266,5 @@ TEST(ExplicitMethod, KeepsTheEnergyOfThePendulum) {
   expect_within("A01 by Dormand-Prince, energy over 10 s (budget 0.5 ms)", worst, 5e-5, "J", cpu);
 }
 
-}  // namespace
+}  // namespace explicit_method_test
 }  // namespace tandem::mbd

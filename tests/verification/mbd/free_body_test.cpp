@@ -8,7 +8,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace free_body_test {
 
 const Vec3d J{1, 2, 3};
 
@@ -90,5 +90,5 @@ TEST(FreeBody, GainsExactlyTheImpulseOfLoadsThatJump) {
   }
 }
 
-}  // namespace
+}  // namespace free_body_test
 }  // namespace tandem::mbd

@@ -8,7 +8,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace heavy_top_test {
 
 constexpr double g = 9.81, m = 15, J1 = .234375, J3 = .46875, spin = 150, w0 = -4.61538;
 
@@ -87,5 +87,5 @@ TEST(HeavyTop, ReachesTheExactPositionAtASmallStep) {
   }
 }
 
-}  // namespace
+}  // namespace heavy_top_test
 }  // namespace tandem::mbd

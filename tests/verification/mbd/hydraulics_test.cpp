@@ -14,7 +14,7 @@
 #include "tests/verification/mbd/whole_run.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace hydraulics_test {
 
 // A mass on a level rail, pushed by a cylinder of 1 m that may extend and retract by 0.3 m.
 struct Rig {
@@ -373,5 +373,5 @@ TEST(Elements, AreTheSameInOtherUnits) {
   }
 }
 
-}  // namespace
+}  // namespace hydraulics_test
 }  // namespace tandem::mbd

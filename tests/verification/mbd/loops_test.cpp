@@ -8,7 +8,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace loops_test {
 
 constexpr double g = 9.81;
 const std::vector<std::string> columns{"position", "velocity", "multipliers"};
@@ -283,5 +283,5 @@ TEST(Bricard, HasMinimumNormMultipliers) {
   EXPECT_LT(std::abs(svd.matrixV().col(m - 1).dot(forces)), 1e-7 * forces.norm());
 }
 
-}  // namespace
+}  // namespace loops_test
 }  // namespace tandem::mbd

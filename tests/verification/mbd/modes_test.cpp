@@ -12,7 +12,7 @@
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace modes_test {
 
 using scene::JointType;
 
@@ -222,5 +222,5 @@ TEST(Equilibrium, AMachineThatNothingHoldsIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace modes_test
 }  // namespace tandem::mbd

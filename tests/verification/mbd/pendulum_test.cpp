@@ -9,7 +9,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace pendulum_test {
 
 constexpr double g = 9.81;
 
@@ -67,5 +67,5 @@ TEST(Pendulum, KeepsItsEnergy) {
   EXPECT_LT(worst, 5e-5);
 }
 
-}  // namespace
+}  // namespace pendulum_test
 }  // namespace tandem::mbd

@@ -9,7 +9,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace springs_test {
 
 using scene::JointType;
 
@@ -152,5 +152,5 @@ TEST(DoublePendulum, EnergyErrorFallsWithTheSquareOfTheStep) {
   }
 }
 
-}  // namespace
+}  // namespace springs_test
 }  // namespace tandem::mbd

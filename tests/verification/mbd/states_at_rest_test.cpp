@@ -15,7 +15,7 @@
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace states_at_rest_test {
 
 using Roots = std::vector<std::complex<double>>;
 
@@ -401,5 +401,5 @@ TEST(StatesAtRest, AreTheSameInAnyFrame) {
   EXPECT_LT(worst_state, 1e-9);
 }
 
-}  // namespace
+}  // namespace states_at_rest_test
 }  // namespace tandem::mbd

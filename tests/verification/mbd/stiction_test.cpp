@@ -14,7 +14,7 @@
 #include "tests/verification/mbd/table.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace stiction_test {
 
 using scene::JointType;
 
@@ -212,5 +212,5 @@ TEST(Stiction, ContinuesFromAFile) {
   std::filesystem::remove(path);
 }
 
-}  // namespace
+}  // namespace stiction_test
 }  // namespace tandem::mbd

@@ -9,7 +9,7 @@
 #include "tests/verification/mbd/machines.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace stops_test {
 
 constexpr double g = 9.81, fall = 0.1, window_s = 0.01;
 
@@ -132,5 +132,5 @@ TEST(StopRebound, FollowsTheDampingThatIsGiven) {
     }
 }
 
-}  // namespace
+}  // namespace stops_test
 }  // namespace tandem::mbd

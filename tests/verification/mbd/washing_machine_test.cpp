@@ -24,7 +24,7 @@
 #include "tests/verification/mbd/recorded_run.hpp"
 
 namespace tandem::mbd {
-namespace {
+namespace washing_machine_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -407,5 +407,5 @@ TEST(WashingMachineScene, HasTheModesOfTheLinearModel) {
   table.expect();
 }
 
-}  // namespace
+}  // namespace washing_machine_test
 }  // namespace tandem::mbd

@@ -13,7 +13,7 @@
 #include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
-namespace {
+namespace dam_break_test {
 
 using namespace sph;
 
@@ -109,5 +109,5 @@ TEST(DamBreak, ConvergesToItsOwnFineRun) {
   expect_figure("front - experiment / L, root of the mean square", 0, std::sqrt(squares / counted), 0.3);
 }
 
-}  // namespace
+}  // namespace dam_break_test
 }  // namespace tandem::test

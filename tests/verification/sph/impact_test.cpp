@@ -15,7 +15,7 @@
 #include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
-namespace {
+namespace impact_test {
 
 using namespace sph;
 
@@ -145,5 +145,5 @@ TEST_P(Impact, OnTheFarWall) {
 
 INSTANTIATE_TEST_SUITE_P(Spacings, Impact, testing::Values(10, 15));
 
-}  // namespace
+}  // namespace impact_test
 }  // namespace tandem::test

@@ -10,7 +10,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace periodic_flow_test {
 
 using namespace sph;
 
@@ -130,5 +130,5 @@ TEST(Vortices, HaveTheSameBitsForEveryNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace periodic_flow_test
 }  // namespace tandem::test

@@ -13,7 +13,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace rotation_test {
 
 using namespace sph;
 
@@ -144,5 +144,5 @@ TEST(TaylorCouette, TorqueIsThatOfTheClosedForm) {
   expect_figure("torque on the outer cylinder / expected", 1, fine.second, 0.02);
 }
 
-}  // namespace
+}  // namespace rotation_test
 }  // namespace tandem::test

@@ -11,7 +11,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace sheet_test {
 
 using namespace sph;
 
@@ -180,5 +180,5 @@ TEST(Sheet, KeepsTwoLevelsApart) {
   expect_figure("force on the sheet / hydrostatic difference", 1, side / counted / force, 0.01);
 }
 
-}  // namespace
+}  // namespace sheet_test
 }  // namespace tandem::test

@@ -16,7 +16,7 @@
 #include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
-namespace {
+namespace sloshing_test {
 
 using namespace sph;
 
@@ -142,5 +142,5 @@ TEST_P(Sloshing, LateralImpactsOfWater) {
 
 INSTANTIATE_TEST_SUITE_P(Spacings, Sloshing, testing::Values(4, 6));
 
-}  // namespace
+}  // namespace sloshing_test
 }  // namespace tandem::test

@@ -15,7 +15,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace spray_test {
 
 using namespace sph;
 
@@ -273,5 +273,5 @@ TEST(Spray, PassesNoWallOfRandomVesselsThatMove) {
   expect_figure("change of energy - works / start", 0, all.energy, 0.05);
 }
 
-}  // namespace
+}  // namespace spray_test
 }  // namespace tandem::test

@@ -10,7 +10,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace still_column_test {
 
 using namespace sph;
 
@@ -117,5 +117,5 @@ TEST(StillColumn, WeighsAsMuchInABoxThatMoves) {
   weigh(0.5, 1);
 }
 
-}  // namespace
+}  // namespace still_column_test
 }  // namespace tandem::test

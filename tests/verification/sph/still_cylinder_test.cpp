@@ -11,7 +11,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace still_cylinder_test {
 
 using namespace sph;
 
@@ -75,5 +75,5 @@ TEST(StillColumn, RestsInACylinder) {
     rest_in_cylinder(0.3, 0.4, 12, 1.5, 1e-4);
 }
 
-}  // namespace
+}  // namespace still_cylinder_test
 }  // namespace tandem::test

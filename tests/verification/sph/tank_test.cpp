@@ -15,7 +15,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace tank_test {
 
 using namespace sph;
 
@@ -137,5 +137,5 @@ TEST(Tank, HasWavesOfTheFrequencyOfLinearTheory) {
   expect_figure("frequency / sqrt(g k tanh(k h)), 16 along", 1, frequency(16), 0.015);
 }
 
-}  // namespace
+}  // namespace tank_test
 }  // namespace tandem::test

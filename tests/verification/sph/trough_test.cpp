@@ -12,7 +12,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace trough_test {
 
 using namespace sph;
 
@@ -83,5 +83,5 @@ TEST(Trough, HoldsALiquidAtRest) {
   expect_figure("pressure error / bottom pressure, mean square", 0, std::sqrt(squares / inside), 0.015);
 }
 
-}  // namespace
+}  // namespace trough_test
 }  // namespace tandem::test

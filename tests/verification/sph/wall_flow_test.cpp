@@ -11,7 +11,7 @@
 #include "tests/verification/sph/figure.hpp"
 
 namespace tandem::test {
-namespace {
+namespace wall_flow_test {
 
 using namespace sph;
 
@@ -127,5 +127,5 @@ TEST(Poiseuille, StartsAsItsSeriesSays) {
   expect_figure("drag on a wall / expected", 1, fine.drag / (viscosity * slope), 0.02);
 }
 
-}  // namespace
+}  // namespace wall_flow_test
 }  // namespace tandem::test
