@@ -24,6 +24,12 @@ double open_part(const Json& a, const Json& b, const Json& c) {
   return std::sqrt(sum);
 }
 
+// What to write instead: a window, and scheme `implicit` where the scene has another.
+std::string shorter_window(const scene::Coupling& coupling, double window) {
+  return fmt::format("use coupling.window = {:.2g} s (now {:.2g}){}", window, coupling.window,
+                     coupling.scheme == scene::Scheme::implicit ? "" : ", or coupling.scheme = \"implicit\"");
+}
+
 }  // namespace
 
 void add_coupling_rules(std::vector<Rule>& table) {
@@ -39,11 +45,10 @@ void add_coupling_rules(std::vector<Rule>& table) {
        },
        [](const RunFigures& run, const Figure& f, double limit) {
          return fmt::format(
-             "the coupling {} {:.2g} of the energy that bodies and particles exchange (limit {:.2g}): "
-             "use coupling.window = {:.2g} s (now {:.2g}), or coupling.scheme = \"implicit\"",
+             "the coupling {} {:.2g} of the energy that bodies and particles exchange (limit {:.2g}): {}",
              run.number("energy_residual").value_or(0) > 0 ? "made" : "took away", f.value, limit,
-             std::max(0.1, 0.9 * std::sqrt(limit / f.value)) * run.scene.coupling.window,
-             run.scene.coupling.window);
+             shorter_window(run.scene.coupling,
+                            std::max(0.1, 0.9 * std::sqrt(limit / f.value)) * run.scene.coupling.window));
        }});
   table.push_back(
       {"impulse_closure", "impulse_closure", 1e-9,
@@ -79,10 +84,10 @@ void add_coupling_rules(std::vector<Rule>& table) {
                    [](const RunFigures& run) { return of_run(run.number("impulse_outstanding")); },
                    [](const RunFigures& run, const Figure& f, double limit) {
                      return fmt::format(
-                         "{:.2g} of the particles' load has not reached the bodies (limit {:.2g}): use "
-                         "coupling.window = {:.2g} s (now {:.2g}), or coupling.scheme = \"implicit\"",
-                         f.value, limit, std::max(0.1, 0.9 * limit / f.value) * run.scene.coupling.window,
-                         run.scene.coupling.window);
+                         "{:.2g} of the particles' load has not reached the bodies (limit {:.2g}): {}",
+                         f.value, limit,
+                         shorter_window(run.scene.coupling,
+                                        std::max(0.1, 0.9 * limit / f.value) * run.scene.coupling.window));
                    }});
   table.push_back(
       {"window_stability", "border.BODY.omega_H / border.BODY.stable_omega_H", 2,
@@ -109,7 +114,8 @@ void add_coupling_rules(std::vector<Rule>& table) {
            use = fmt::format("coupling.window = {:.2g} s (now {:.2g})", body["stable_window_s"].get<double>(),
                              run.scene.coupling.window);
          const std::string scheme = body.value("stable_scheme", "implicit");
-         use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
+         if (scheme != "implicit" || run.scene.coupling.scheme != scene::Scheme::implicit || use.empty())
+           use += fmt::format("{}coupling.scheme = \"{}\"", use.empty() ? "" : ", or ", scheme);
          return fmt::format(
              "{} vibrates on its contacts with omega H = {:.3g}, {:.2g} times the limit of "
              "stability of the scheme (limit "

@@ -342,6 +342,23 @@ TEST(Verdict, LostSpheresRepeatWhatIsSaidOfUnits) {
   EXPECT_THAT(verdict.lines[0].sentence, HasSubstr("then give \"scale\": 0.001"));
 }
 
+TEST(Verdict, AdvisesNoSchemeThatTheRunHas) {
+  scene::Scene scene = toy_scene();
+  Json run = good_run();
+  run["energy_residual"] = 0.2;
+  run["border"]["box"]["omega_H"] = 30;
+  run["border"]["box"].erase("stable_scheme");
+  for (const auto scheme : {scene::Scheme::dem_first, scene::Scheme::implicit}) {
+    scene.coupling.scheme = scheme;
+    const Verdict verdict = verdict_of(scene, run);
+    ASSERT_EQ(verdict.lines.size(), 2u);
+    for (const auto& line : verdict.lines)
+      EXPECT_EQ(line.sentence.find("or coupling.scheme = \"implicit\"") != std::string::npos,
+                scheme != scene::Scheme::implicit)
+          << line.sentence;
+  }
+}
+
 TEST(Verdict, StiffnessFollowsTheContactLaw) {
   scene::Scene scene = toy_scene();
   scene.dem->contact = scene::ContactLaw::hooke;
