@@ -20,17 +20,16 @@
 #include "launch/coordinator/checkpoint.hpp"
 #include "launch/coordinator/control.hpp"
 #include "launch/coordinator/coupler.hpp"
+#include "launch/coordinator/grain_watches.hpp"
 #include "launch/coordinator/half_steps.hpp"
 #include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/kept_frames.hpp"
-#include "launch/coordinator/particle_watch.hpp"
 #include "launch/coordinator/progress.hpp"
-#include "launch/coordinator/sphere_watch.hpp"
+#include "launch/coordinator/run_frames.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
 #include "launch/coordinator/summary.hpp"
-#include "launch/coordinator/wall_load_watch.hpp"
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
 #include "launch/results/results.hpp"
@@ -76,17 +75,18 @@ class InterimPace {
 class Run {
  public:
   // `options.folder` is that of `folder`.
-  // `frames` takes all frames between the programs; may be null.
+  // `sink` takes all frames between the programs; may be null.
   Run(const SceneFile& file, const RunOptions& options, const ForeignServers& foreign, Controller* controller,
-      RunFolder& folder, Summary& summary, protocol::FrameSink* frames)
+      RunFolder& folder, Summary& summary, protocol::FrameSink* sink)
       : file_(file),
         scene_(file.scene),
         options_(options),
         foreign_(foreign),
         folder_(folder),
         summary_(summary),
-        frames_(frames),
+        sink_(sink),
         end_(to_nanoseconds(file.scene.end_time)),
+        frames_(file.scene, solvers_, watches_, folder, results_, stopwatch_),
         results_(options.folder, file.scene, file.meshes, file.drawn),
         walls_(file.scene, file.meshes),
         window_log_(options.folder, file.scene) {
@@ -103,7 +103,7 @@ class Run {
     } catch (const Error& error) {
       const Error explained = explain(error);
       try {
-        fetch_frame();
+        frames_.fetch();
       } catch (const Error&) {  // of the solver that failed
       }
       if (participants_) participants_->fail(explained);
@@ -128,16 +128,7 @@ class Run {
   mbd::ErrorEstimate measure_error() const;
 
   void observe();
-  void write_frame();
-  // The same in two parts where the solver can keep a snapshot: fetch_frame() is called some windows later,
-  // during which the solver prepares the frame.
-  void begin_frame();
-  void fetch_frame();
-  void set_next_frame();
-  bool frames_have(Role role) const;
-  bool can_snapshot() const;
-  using ParticleCheck = std::function<void(const protocol::ParticlesFrame&)>;
-  ParticleCheck check_of_frame();
+  BetweenWindows between_windows();
   const Exchange& of_grains();
   void write_checkpoint();
   void write_interim_summary();
@@ -151,36 +142,26 @@ class Run {
   const ForeignServers& foreign_;
   RunFolder& folder_;
   Summary& summary_;
-  protocol::FrameSink* const frames_;
+  protocol::FrameSink* const sink_;
   const Nanoseconds end_;
 
+  Solvers solvers_;
+  Stopwatch stopwatch_;
   // Before the results, whose thread decodes and checks the frames.
-  protocol::ReceivedParticles received_;
-  std::unique_ptr<ParticleWatch> particle_watch_;
-  std::optional<WallLoadWatch> wall_load_watch_;
-  std::optional<SphereWatch> sphere_watch_;  // reads the spheres of particle_watch_
+  std::optional<GrainWatches> watches_;
+  RunFrames frames_;
   Results results_;
   WallWatch walls_;
   WindowLog window_log_;
   std::unique_ptr<Participants> participants_;
-  Solvers solvers_;
   std::optional<Coupler> coupler_;
   Exchange grains_;  // of the last window, where a liquid is there as well
-  Stopwatch stopwatch_;
   std::unique_ptr<Control> control_;
   const protocol::BodiesFrame* bodies_ = nullptr;  // last observation
   protocol::BodiesFrame last_bodies_;              // at the end
 
   std::string phase_ = at_start;
-  Nanoseconds now_, next_frame_, last_frame_;
-  struct BegunFrame {
-    Nanoseconds time;
-    std::optional<protocol::BodiesFrame> bodies;
-    ParticleCheck check;
-    int windows = 0;  // since then
-  };
-  static constexpr int windows_of_a_frame = 3;
-  std::optional<BegunFrame> begun_frame_;
+  Nanoseconds now_;
   Nanoseconds begin_;  // 0, or the time from which a run continues
   std::optional<Checkpoints> checkpoints_;
   InterimPace interim_;
@@ -188,7 +169,7 @@ class Run {
 
 void Run::start() {
   participants_ =
-      std::make_unique<Participants>(options_, scene_, foreign_, options_.folder / "run.log", frames_);
+      std::make_unique<Participants>(options_, scene_, foreign_, options_.folder / "run.log", sink_);
   solvers_ = participants_->solvers();
 
   std::vector<Need> besides;
@@ -209,11 +190,9 @@ void Run::start() {
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(at_start);
   if (scene_.dem) {
-    particle_watch_ = watch.get();
-    wall_load_watch_.emplace(scene_);
-    sphere_watch_.emplace(scene_, particle_watch_->spheres());
+    watches_.emplace(scene_, watch.get());
     if (scene_.output.has(scene::SphereField::group) || scene_.output.has(scene::SphereField::material))
-      results_.set_groups(particle_watch_->spheres().group_by_id());
+      results_.set_groups(watches_->spheres().group_by_id());
   }
   if (!options_.restart.empty()) {
     phase_ = "while the state was read";
@@ -238,33 +217,30 @@ void Run::advance() {
   phase_ = "before the first window";
   stopwatch_.start(solvers_);
   observe();
-  write_frame();
+  frames_.write(between_windows());
   while (now_ < end_ && !interrupted()) {
     // Windows end at the frames. Windows of equal length divide the frame interval anyway.
-    const Nanoseconds limit = next_frame_ > now_ ? std::min(next_frame_, end_) : end_;
+    const Nanoseconds limit = frames_.next() > now_ ? std::min(frames_.next(), end_) : end_;
     phase_ = fmt::format("in window {} (t = {:.6g} s)", coupler_->accounts().windows(), to_seconds(now_));
     if (control_)
       solvers_.mbd->control(
           control_->request(now_, *bodies_, scene_.has_particles() ? &coupler_->exchange().load : nullptr));
     coupler_->advance(limit);
     now_ = coupler_->now();
-    if (begun_frame_ && (++begun_frame_->windows == windows_of_a_frame || now_ >= next_frame_)) fetch_frame();
-    if (scene_.dem) {
-      particle_watch_->record(of_grains());
-      wall_load_watch_->record(of_grains());
-      sphere_watch_->record(of_grains());
-    }
+    frames_.after_window(now_);
+    if (watches_) watches_->record(of_grains());
     window_log_.write(*coupler_);
     observe();
-    if (now_ >= next_frame_) now_ < end_ ? begin_frame() : write_frame();
+    if (now_ >= frames_.next())
+      now_ < end_ ? frames_.begin(between_windows()) : frames_.write(between_windows());
     if (checkpoints_ && checkpoints_->due(now_)) write_checkpoint();
     if (interim_.due()) write_interim_summary();
     progress.update(now_, coupler_->accounts().windows(), coupler_->accounts().micro_steps(),
                     spheres_there());
   }
   // After the loop, because an interrupt may end the loop at any time.
-  fetch_frame();
-  if (last_frame_ < now_) write_frame();
+  frames_.fetch();
+  if (frames_.last() < now_) frames_.write(between_windows());
   if (checkpoints_) write_checkpoint();
   if (bodies_) last_bodies_ = *bodies_;
   stopwatch_.begin_output(solvers_);
@@ -363,76 +339,8 @@ void Run::observe() {
   stopwatch_.end_output(solvers_);
 }
 
-// What the windows so far say of a frame goes with it to the thread that checks and writes frames.
-Run::ParticleCheck Run::check_of_frame() {
-  ParticleCheck check = [this, of_particles = particle_watch_->take_before(),
-                         of_spheres = sphere_watch_->take_before()](const protocol::ParticlesFrame& spheres) {
-    particle_watch_->check(spheres, of_particles);
-    sphere_watch_->check(spheres, of_spheres);
-  };
-  if (now_ == begin_) return check;
-  return [this, check, exchange = of_grains()](const protocol::ParticlesFrame& spheres) {
-    check(spheres);
-    wall_load_watch_->observe(spheres, exchange);
-  };
-}
-
-void Run::write_frame() {
-  stopwatch_.begin_output(solvers_);
-  folder_.expect_there();
-  if (frames_have(Role::sph)) solvers_.of(Role::sph)->observe_particles(now_, results_.liquid_to_write());
-  protocol::ParticlesFrame* frame = frames_have(Role::dem) ? &results_.particles_to_write() : nullptr;
-  if (frame) {
-    solvers_.of(Role::dem)->observe_particles(now_, *frame);
-    particle_watch_->expect_start(*frame);
-    sphere_watch_->begin(*frame);
-  }
-  results_.write_frame(now_, bodies_, frame, frame ? check_of_frame() : ParticleCheck());
-  set_next_frame();
-  stopwatch_.end_output(solvers_);
-}
-
-void Run::begin_frame() {
-  if (!can_snapshot()) return write_frame();
-  stopwatch_.begin_output(solvers_);
-  for (protocol::Remote* solver : solvers_.loads) solver->snapshot(now_);
-  begun_frame_ = {now_, bodies_ ? std::optional(*bodies_) : std::nullopt,
-                  scene_.dem ? check_of_frame() : ParticleCheck(), 0};
-  set_next_frame();
-  stopwatch_.end_output(solvers_);
-}
-
-void Run::fetch_frame() {
-  if (!begun_frame_) return;
-  stopwatch_.begin_output(solvers_);
-  folder_.expect_there();
-  const BegunFrame begun = *std::exchange(begun_frame_, {});
-  if (scene_.sph) solvers_.of(Role::sph)->observe_particles(begun.time, results_.liquid_to_write());
-  protocol::ParticlesFrame* frame = nullptr;
-  Results::PrepareParticles prepare;
-  if (scene_.dem) {
-    frame = &results_.particles_to_write();  // waits until received_ is free
-    solvers_.of(Role::dem)->receive_particles(begun.time, received_);
-    prepare = [this, check = begun.check](protocol::ParticlesFrame& spheres) {
-      received_.read(spheres);
-      check(spheres);
-    };
-  }
-  results_.write_frame(begun.time, begun.bodies ? &*begun.bodies : nullptr, frame, prepare);
-  stopwatch_.end_output(solvers_);
-}
-
-// Whether frames have the particles of this solver.
-bool Run::frames_have(Role role) const {
-  return scene_.output.particles && solvers_.of(role) != nullptr;
-}
-
-// Whether frames can be fetched some windows later, from all that have particles.
-bool Run::can_snapshot() const {
-  return scene_.output.particles && !solvers_.loads.empty() &&
-         std::ranges::all_of(solvers_.loads, [](const protocol::Remote* solver) {
-           return solver->can(protocol::can_snapshot);
-         });
+BetweenWindows Run::between_windows() {
+  return {now_, bodies_, scene_.dem && now_ > begin_ ? &of_grains() : nullptr};
 }
 
 // The exchange of the last window with the loads of the grains alone.
@@ -445,15 +353,8 @@ const Exchange& Run::of_grains() {
   return grains_;
 }
 
-void Run::set_next_frame() {
-  last_frame_ = now_;
-  const Nanoseconds interval = to_nanoseconds(scene_.output.frame_interval);
-  while (next_frame_ <= now_)
-    next_frame_ = interval.count > 0 ? next_frame_ + interval : end_ + Nanoseconds{1};
-}
-
 void Run::write_checkpoint() {
-  fetch_frame();
+  frames_.fetch();
   stopwatch_.begin_output(solvers_);
   folder_.expect_there();
   checkpoints_->write(solvers_, *coupler_, results_);
@@ -475,8 +376,7 @@ std::uint64_t Run::spheres_there() const {
 // Writes the course of the run so far into the summary.
 void Run::fill(Summary& summary) const {
   summary.set_walls(walls_);
-  if (particle_watch_) summary.set_particles(*particle_watch_, *sphere_watch_);
-  if (wall_load_watch_) summary.set_wall_loads(*wall_load_watch_);
+  if (watches_) watches_->add_to(summary);
   if (!stopwatch_.started()) return;
   const protocol::SolverFacts& facts = summary.facts();
   summary.set_course(
