@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tandem::scene {
 
@@ -27,6 +28,17 @@ Box Scene::domain() const {
     all.max[a] = std::max(all.max[a], sph->domain.max[a]);
   }
   return all;
+}
+
+double LiquidInlet::area() const {
+  if (const auto* disc = std::get_if<DiscShape>(&shape))
+    return std::numbers::pi * disc->radius * disc->radius;
+  const auto& rectangle = std::get<RectangleShape>(shape);
+  return rectangle.x * rectangle.y;
+}
+
+double LiquidInlet::speed() const {
+  return velocity ? *velocity : flow.value() / area();
 }
 
 bool contact_is_computed(const Geometry& a, const Geometry& b) {

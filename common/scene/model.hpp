@@ -530,16 +530,6 @@ bool contact_is_computed(const Geometry& a, const Geometry& b);
 // harmonic mean of the stiffness, where both materials have one.
 ContactMaterialPair combined(const BodyContact& contact, int a, int b);
 
-struct HalfSpace {
-  Vec3d point, normal;
-};  // beyond the plane through `point`, on the side of the unit normal
-
-// Spheres whose centre is in it are removed.
-struct Outlet {
-  std::string name;
-  std::variant<Box, HalfSpace> region;  // in the world
-};
-
 // The spheres come to rest before the start, with all walls at rest.
 struct Settle {
   double kinetic_energy = 0;  // the end: mean of the spheres below it [J]

@@ -18,6 +18,16 @@ struct Box {
   Vec3d min, max;
 };
 
+struct HalfSpace {
+  Vec3d point, normal;
+};  // beyond the plane through `point`, on the side of the unit normal
+
+// Particles whose centre is in it are removed.
+struct Outlet {
+  std::string name;
+  std::variant<Box, HalfSpace> region;  // in the world
+};
+
 struct PlaneShape {
   Vec3d point, normal;
 };  // solid on the side opposite to the normal

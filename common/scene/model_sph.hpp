@@ -33,8 +33,8 @@ struct Liquid {
   double shifting = 0;              // of particles that a flow moves apart [-]
   // At the start: boxes along the world's axes whose edges are whole numbers of spacings, and insides of
   // walls.
-  std::vector<std::variant<Box, LiquidInside>> fill;
-  Vec3d velocity;  // at the start [m/s]
+  std::vector<std::variant<Box, LiquidInside>> fill;  // may be empty where there are inlets
+  Vec3d velocity;                                     // at the start [m/s]
   StartPressure pressure = StartPressure::hydrostatic;
 };
 
@@ -56,6 +56,27 @@ struct LiquidSensor : ParticleSensor {
   std::optional<Vec3d> axis = {};
 };
 
+struct RectangleShape {
+  double x = 0, y = 0;  // edges [m]
+};
+struct DiscShape {
+  double radius = 0;  // [m]
+};
+// A flat piece of the ground through which liquid comes in, centred at the pose, along the z axis of that.
+// Exactly one of velocity and flow is given. Before `start` and from `end` on it is a wall.
+struct LiquidInlet {
+  std::string name;
+  Pose pose;
+  std::variant<RectangleShape, DiscShape> shape;
+  std::optional<double> velocity;  // [m/s]
+  std::optional<double> flow;      // [m3/s]
+  double start = 0;                // [s]
+  std::optional<double> end;       // [s]; absent: none
+
+  double area() const;   // [m2]
+  double speed() const;  // [m/s]
+};
+
 // "mixed": arithmetic of pairs in single precision; "double": all in double precision
 enum class LiquidPrecision { mixed, full };
 
@@ -71,6 +92,8 @@ struct Sph {
   Box domain;                        // a particle that leaves it ends the run
   std::vector<LiquidPair> pairs;     // each body at most once
   std::vector<LiquidSensor> sensors;
+  std::vector<LiquidInlet> inlets;
+  std::vector<Outlet> outlets;
   std::array<bool, 3> periodic{};  // along x, y, z: particles enter again through the opposite face instead
 };
 

@@ -23,24 +23,6 @@ Material parse_material(const Node& node) {
   return material;
 }
 
-Outlet parse_outlet(const Node& node) {
-  Outlet outlet;
-  node.read("name", outlet.name);
-  const Node region = node.at("region");
-  if (region.type() == "box") {
-    Box box;
-    region.read("min", box.min);
-    region.read("max", box.max);
-    outlet.region = box;
-  } else {
-    HalfSpace beyond;
-    region.read("point", beyond.point);
-    region.read_unit("normal", beyond.normal);
-    outlet.region = beyond;
-  }
-  return outlet;
-}
-
 ParticleSensor parse_sensor(const Node& node, const Names& bodies) {
   ParticleSensor sensor;
   node.read("name", sensor.name);

@@ -18,6 +18,9 @@ Sph parse_sph(const Node& node, const Names& bodies);
 // Reads body, pose, shape and axis of flow of the sensor of a region.
 void parse_region(const Node& node, const Names& bodies, ParticleSensor& sensor);
 
+// A region where particles are taken out.
+Outlet parse_outlet(const Node& node);
+
 // A group of dem.particles.
 ParticleGroup parse_group(const Node& node, const Names& materials);
 

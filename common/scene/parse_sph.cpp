@@ -65,7 +65,50 @@ LiquidSensor parse_sensor(const Node& node, const Names& bodies) {
   return sensor;
 }
 
+LiquidInlet parse_liquid_inlet(const Node& node) {
+  LiquidInlet inlet;
+  node.read("name", inlet.name);
+  node.read("position", inlet.pose.p_WB);
+  node.read("orientation", inlet.pose.q_WB);
+  const Node shape = node.at("shape");
+  if (shape.type() == "rectangle") {
+    const nlohmann::json& size = shape.value().at("size");
+    inlet.shape = RectangleShape{size[0].get<double>(), size[1].get<double>()};
+  } else {
+    DiscShape disc;
+    shape.read("radius", disc.radius);
+    inlet.shape = disc;
+  }
+  node.read("velocity", inlet.velocity);
+  node.read("flow", inlet.flow);
+  if (inlet.velocity.has_value() == inlet.flow.has_value())
+    node.fail(
+        std::string("the inlet has ") + (inlet.flow ? "a velocity and a flow" : "neither velocity nor flow"),
+        "give one of them");
+  node.read("start", inlet.start);
+  node.read("end", inlet.end);
+  return inlet;
+}
+
 }  // namespace
+
+Outlet parse_outlet(const Node& node) {
+  Outlet outlet;
+  node.read("name", outlet.name);
+  const Node region = node.at("region");
+  if (region.type() == "box") {
+    Box box;
+    region.read("min", box.min);
+    region.read("max", box.max);
+    outlet.region = box;
+  } else {
+    HalfSpace beyond;
+    region.read("point", beyond.point);
+    region.read_unit("normal", beyond.normal);
+    outlet.region = beyond;
+  }
+  return outlet;
+}
 
 Sph parse_sph(const Node& node, const Names& bodies) {
   Sph sph;
@@ -82,6 +125,10 @@ Sph parse_sph(const Node& node, const Names& bodies) {
   }
   node.names("sensors");
   for (const Node& sensor : node.elements("sensors")) sph.sensors.push_back(parse_sensor(sensor, bodies));
+  node.names("inlets");
+  for (const Node& inlet : node.elements("inlets")) sph.inlets.push_back(parse_liquid_inlet(inlet));
+  node.names("outlets");
+  for (const Node& outlet : node.elements("outlets")) sph.outlets.push_back(parse_outlet(outlet));
   if (node.has("precision") && node.value().at("precision") == "double")
     sph.precision = LiquidPrecision::full;
   node.read("micro_step", sph.micro_step);

@@ -54,7 +54,7 @@ class PlainForm {
         function(wall["surface_velocity"]["speed"], path + ".surface_velocity.speed",
                  "the speed of a surface is no angle");
     });
-    for (const char* list : {"walls", "sensors"})
+    for (const char* list : {"walls", "sensors", "inlets"})
       each("sph", list, [&](json& object, const std::string& path) { orientation(object, path); });
     each("dem", "sensors", [&](json& sensor, const std::string& path) { orientation(sensor, path); });
     if (document_.contains("mbd") && document_["mbd"].contains("contact"))

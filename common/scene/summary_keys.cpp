@@ -55,6 +55,10 @@ const Runs sph{[](const Scene& scene) { return scene.sph.has_value(); }, "scenes
 const Runs coupled{[](const Scene& scene) { return scene.mbd && scene.has_particles(); },
                    "scenes with 'mbd' and particles"};
 const Runs traffic{has_traffic, "scenes with inlets or outlets"};
+const Runs liquid_traffic{[](const Scene& scene) {
+                            return scene.sph && !(scene.sph->inlets.empty() && scene.sph->outlets.empty());
+                          },
+                          "scenes with sph.inlets or sph.outlets"};
 const Runs placed{has_placed, "scenes with a packing, a fill from a run or settle"};
 const Runs packed{has_packing, "scenes with a packing"};
 const Runs settled{has_settled, "scenes with dem.settle"};
@@ -99,6 +103,10 @@ std::vector<std::string> names_of(const std::string& word, const Scene& scene) {
       if (is_packed(group)) names.push_back(group.name);
   if (word == "OUTLET" && scene.dem)
     for (const Outlet& outlet : scene.dem->outlets) names.push_back(outlet.name);
+  if (word == "FEED" && scene.sph)
+    for (const LiquidInlet& inlet : scene.sph->inlets) names.push_back(inlet.name);
+  if (word == "DRAIN" && scene.sph)
+    for (const Outlet& outlet : scene.sph->outlets) names.push_back(outlet.name);
   if (word == "COLUMN") return element_columns(scene);
   if (word == "SENSED") return sensor_columns(scene);
   if (word == "WALL" && scene.dem)
@@ -115,7 +123,7 @@ std::vector<std::string> summary_keys(const Scene& scene) {
     if (!key.runs.of(scene)) continue;
     std::size_t at = std::string::npos;
     for (const std::string word :
-         {"BODY", "INLET", "FILL", "PACKING", "OUTLET", "WALL", "COLUMN", "SENSED"}) {
+         {"BODY", "INLET", "FILL", "PACKING", "OUTLET", "FEED", "DRAIN", "WALL", "COLUMN", "SENSED"}) {
       at = key.text.find("." + word);
       if (at == std::string::npos) continue;
       for (const std::string& name : names_of(word, scene))

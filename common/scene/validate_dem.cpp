@@ -113,38 +113,11 @@ void validate_groups(const Dem& dem, const std::string& origin) {
   }
 }
 
-// Whether all of the box, or some of it, is in the region.
-struct Overlap {
-  bool all = true, some = true;
-};
-Overlap overlap(const Box& box, const Outlet& outlet) {
-  Overlap of;
-  if (const auto* region = std::get_if<Box>(&outlet.region)) {
-    for (int a = 0; a < 3; ++a) {
-      of.some = of.some && region->min[a] < box.max[a] && region->max[a] > box.min[a];
-      of.all = of.all && region->min[a] <= box.min[a] && region->max[a] >= box.max[a];
-    }
-  } else {
-    const auto& beyond = std::get<HalfSpace>(outlet.region);
-    Vec3d farthest, nearest;  // corners, along the normal
-    for (int a = 0; a < 3; ++a) {
-      const bool up = beyond.normal[a] > 0;
-      farthest[a] = up ? box.max[a] : box.min[a];
-      nearest[a] = up ? box.min[a] : box.max[a];
-    }
-    of = {dot(nearest - beyond.point, beyond.normal) >= 0, dot(farthest - beyond.point, beyond.normal) > 0};
-  }
-  return of;
-}
-
 void validate_outlets(const Dem& dem, const std::string& origin) {
   for (std::size_t i = 0; i < dem.outlets.size(); ++i) {
     const std::string path = element("dem.outlets", i) + ".region";
     const Outlet& outlet = dem.outlets[i];
-    if (const auto* box = std::get_if<Box>(&outlet.region))
-      require_box(box->min, box->max, origin, path);
-    else
-      require_unit(std::get<HalfSpace>(outlet.region).normal, origin, path + ".normal");
+    require_region(outlet, origin, path);
     if (!overlap(dem.domain, outlet).some)
       fail(origin, path, "no place of dem.domain is in it, so that no sphere goes out",
            "move it into the domain; what leaves that counts as lost");

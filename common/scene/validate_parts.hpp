@@ -74,4 +74,15 @@ void require_unit(Quat orientation, const std::string& origin, const std::string
 // Requires min < max along each axis.
 void require_box(Vec3d min, Vec3d max, const std::string& origin, const std::string& path);
 
+// Whether all of the box, or some of it, is in the region of an outlet.
+struct Overlap {
+  bool all = true, some = true;
+};
+Overlap overlap(const Box& box, const Outlet& outlet);
+// Requires a region that is one.
+void require_region(const Outlet& outlet, const std::string& origin, const std::string& path);
+
+// Inlets and outlets of the liquid.
+void validate_liquid_traffic(const Scene& scene, const std::string& origin);
+
 }  // namespace tandem::scene

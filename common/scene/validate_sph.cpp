@@ -92,9 +92,10 @@ void validate_sph(const Scene& scene, const std::string& origin) {
   const Liquid& liquid = sph.liquids.front();
   const std::string path = element("sph.liquids", 0);
   validate_density(liquid.density, origin, path);
-  if (!liquid.sound_speed && liquid.expected_speed == 0 && norm(scene.gravity) == 0)
+  if (!liquid.sound_speed && liquid.expected_speed == 0 && norm(scene.gravity) == 0 && sph.inlets.empty())
     fail(origin, path, "no speed of sound follows: there is no gravity, and no speed is expected",
          "give expected_speed, the largest speed that the run will have [m/s], or sound_speed");
+  validate_liquid_traffic(scene, origin);
   double count = 0;
   for (std::size_t i = 0; i < liquid.fill.size(); ++i) {
     const std::string of_fill = element(path + ".fill", i);

@@ -60,6 +60,11 @@ class ParticleBalance {
   protocol::ParticleAccount account_;
 };
 
+// Place of the liquid in Solvers::loads, where grains are first.
+inline std::size_t place_of_liquid(const scene::Scene& scene) {
+  return scene.dem ? 1 : 0;
+}
+
 class Accounts {
  public:
   static WindowBalance balance_of(const Exchange& exchange);

@@ -291,6 +291,19 @@ std::string particle_facts(const DryRun& started) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+Table table_of(const char* title, const std::vector<Outlet>& outlets) {
+  Table table(title, {"name", "region [m]"});
+  for (const Outlet& outlet : outlets)
+    table.add({outlet.name,
+               std::visit(Overloaded{[](const Box& box) { return text(box.min) + " .. " + text(box.max); },
+                                     [](const HalfSpace& beyond) {
+                                       return "beyond " + text(beyond.point) + ", normal " +
+                                              text(beyond.normal);
+                                     }},
+                          outlet.region)});
+  return table;
+}
+
 std::string describe_dem(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   const Dem& dem = *scene.dem;
@@ -310,16 +323,7 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
     groups.add({group.name, dem.materials[group.material.value].name,
                 fmt::format("{:.6g} .. {:.6g}", group.radius_min, group.radius_max), from, count, "-", "-"});
   }
-  Table outlets("outlets", {"name", "region [m]"});
-  for (const Outlet& outlet : dem.outlets)
-    outlets.add({outlet.name,
-                 std::visit(Overloaded{[](const Box& box) { return text(box.min) + " .. " + text(box.max); },
-                                       [](const HalfSpace& beyond) {
-                                         return "beyond " + text(beyond.point) + ", normal " +
-                                                text(beyond.normal);
-                                       }},
-                            outlet.region)});
-
+  const Table outlets = table_of("outlets", dem.outlets);
   Table sensors("sensors", {"name", "body", "region [m]", "flow"});
   for (const ParticleSensor& sensor : dem.sensors) {
     if (!sensor.wall.empty()) {
@@ -413,8 +417,12 @@ std::string describe_sph(const SceneFile& file, const DryRun* started) {
                  text(sensor.pose.p_WB)});
   Table walls("walls of the liquid", {"name", "body", "shape [m]"});
   for (const Wall& wall : sph.walls) walls.add({wall.name, scene.body_name(wall.body), shape(wall)});
-  return liquids.print() + sensors.print() + walls.print() +
-         (scene.dem ? "" : describe_meshes(file.mesh_facts)) +
+  Table inlets("inlets of the liquid", {"name", "position [m]", "area [m2]", "velocity [m/s]"});
+  for (const LiquidInlet& inlet : sph.inlets)
+    inlets.add({inlet.name, text(inlet.pose.p_WB), fmt::format("{:.6g}", inlet.area()),
+                fmt::format("{:.6g}", inlet.speed())});
+  return liquids.print() + inlets.print() + table_of("outlets of the liquid", sph.outlets).print() +
+         sensors.print() + walls.print() + (scene.dem ? "" : describe_meshes(file.mesh_facts)) +
          fmt::format("\nspacing: {:.6g} m\n", sph.spacing) +
          (started ? "solver: " + liquid_facts(*started) + "\n" : "");
 }

@@ -361,9 +361,10 @@ void Run::write_checkpoint() {
   stopwatch_.end_output(solvers_);
 }
 
-// Number of particles in the domain. With inlets or outlets the solver of grains reports it at the end only:
-// 0 until then, and where it does not report it at all.
+// Number of particles in the domain. With inlets or outlets their solver reports it at the end only: 0 until
+// then, and where it does not report it at all.
 std::uint64_t Run::spheres_there() const {
+  if (scene_.sph && !(scene_.sph->inlets.empty() && scene_.sph->outlets.empty())) return 0;
   if (scene_.sph) return scene_.dem ? 0 : summary_.facts().sph.particles.value_or(0);
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)

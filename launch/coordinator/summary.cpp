@@ -311,7 +311,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
   own("simulated_s") = to_seconds(now);
   own("wall_s") = wall;
   set_time_split(split);
-  if (scene_.sph) set_liquid(accounts.particles(scene_.dem ? 1 : 0));
+  if (scene_.sph) set_liquid(accounts.particles(place_of_liquid(scene_)));
   if (const ParticleBalance& particles = accounts.particles(); scene_.dem && particles.micro_steps() > 0) {
     // In `parallel` the coordinator waits only for the slower solver: its reported time counts.
     const double reported_time = facts_.dem.solver_seconds.value_or(0),
@@ -606,6 +606,8 @@ std::string Summary::table() const {
     liquid_row("liquid density error", "density_error", "");
     liquid_row("liquid volume error", "volume_error", "");
     liquid_row("liquid Mach number", "mach", "");
+    liquid_row("liquid came in", "came_in", " particles");
+    liquid_row("liquid went out", "went_out", " particles");
   }
   if (dem.spheres > 0 || number("lost_particles") > 0) number_row("lost particles", "lost_particles", "");
   if (dem.came_in) row("came in", fmt::format("{} spheres", *dem.came_in));

@@ -39,7 +39,7 @@ void WindowLog::write(const Coupler& coupler) {
                   accounts.energy_exchanged(), accounts.particles().momentum(), window.length(),
                   coupler.exchange().iterations, coupler.counters().rejected);
   if (scene_.sph) {
-    const ParticleBalance& balance = accounts.particles(scene_.dem ? 1 : 0);
+    const ParticleBalance& balance = accounts.particles(place_of_liquid(scene_));
     const protocol::ParticleAccount& liquid = balance.account();
     row += fmt::format(",{},{},{:.9g},{:.3g}", liquid.micro_steps, liquid.rebuilds, liquid.kinetic_energy,
                        balance.momentum());

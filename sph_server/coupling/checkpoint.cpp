@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* state_kind = "tandem liquid state";
 // Version of the contents. It must be raised with every change of the state that an engine keeps.
-constexpr std::uint64_t state_version = 2;
+constexpr std::uint64_t state_version = 3;
 
 std::string name_in_file(const std::string& name) {
   return "engine/" + name;
@@ -24,9 +24,13 @@ std::string name_in_file(const std::string& name) {
 void Solver::checkpoint(const protocol::Checkpoint& order) {
   StateWriter file(order.path, state_kind, state_version);
   file.write("precision", precision_name());
-  file.write("particles", std::uint64_t{particles_});
+  file.write("particles", std::uint64_t{id_.size()});
   file.write("memory", std::as_bytes(std::span(&memory_, 1)));
   if (sensors_.any()) file.write("sensors", std::as_bytes(std::span(seen_)));
+  if (traffic_.any()) {
+    file.write("passed", std::as_bytes(std::span(passed_)));
+    if (!id_.empty()) file.write("ids", std::as_bytes(std::span(id_)));
+  }
   engine_->write([&](const std::string& name, std::span<const std::byte> bytes) {
     file.write(name_in_file(name), bytes);
   });
@@ -43,7 +47,7 @@ void Solver::resume(const protocol::Checkpoint& order) {
   std::uint64_t particles = 0;
   file.read("particles", particles);
   expect("precision", file.text("precision"), precision_name());
-  expect("particles:", std::to_string(particles), std::to_string(particles_));
+  if (!traffic_.any()) expect("particles:", std::to_string(particles), std::to_string(id_.size()));
   Memory memory;
   file.read("memory", std::as_writable_bytes(std::span(&memory, 1)));
   if (!memory.is_possible())
@@ -60,17 +64,31 @@ void Solver::resume(const protocol::Checkpoint& order) {
     if (!one.is_possible())
       throw Error(ErrorCode::resource, "its array 'sensors' is damaged: a figure is not possible", order.path,
                   "continue from another checkpoint");
+  std::vector<Traffic::Seen> passed = traffic_.nothing_seen();
+  std::vector<std::uint32_t> id = id_;
+  if (traffic_.any()) {
+    file.read("passed", std::as_writable_bytes(std::span(passed)));
+    if (!traffic_.is_possible(passed) || particles >= Neighbour::most)
+      throw Error(ErrorCode::resource, "its array 'passed' is damaged: a figure is not possible", order.path,
+                  "continue from another checkpoint");
+    id.resize(particles);
+    if (!id.empty()) file.read("ids", std::as_writable_bytes(std::span(id)));
+  }
   try {
-    engine_->read([&](const std::string& name) {
-      std::vector<std::byte> bytes(file.size(name_in_file(name)));
-      file.read(name_in_file(name), std::span(bytes));
-      return bytes;
-    });
+    engine_->read(
+        [&](const std::string& name) {
+          std::vector<std::byte> bytes(file.size(name_in_file(name)));
+          file.read(name_in_file(name), std::span(bytes));
+          return bytes;
+        },
+        id.size());
   } catch (const Error& error) {
     throw error.where().empty() ? Error(error.code(), error.problem(), order.path, error.hint()) : error;
   }
   memory_ = memory;
   seen_ = std::move(seen);
+  passed_ = std::move(passed);
+  id_ = std::move(id);
 }
 
 }  // namespace tandem::sph

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "common/error.hpp"
 #include "common/log.hpp"
@@ -24,7 +25,8 @@ namespace tandem::sph {
 std::size_t Solver::check_memory(const LiquidStart& start) const {
   const scene::Coupling& how = scene_.coupling;
   const bool with_copy = scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit);
-  const std::size_t count = start.particles(),
+  const std::size_t count = start.particles() +
+                            Traffic(*scene_.sph, start.inlets, start.setup).to_come(scene_.end_time),
                     bytes =
                         predicted_bytes(count, properties_,
                                         scene_.sph->precision == scene::LiquidPrecision::mixed, with_copy),
@@ -63,6 +65,13 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     bodies_.push_back({body.body, scene_.body_name(body.body), extent});
     for (const std::string& sentence : body.inside) log::info("{}", sentence);
   }
+  traffic_ = Traffic(sph, start.inlets, start.setup);
+  passed_ = traffic_.nothing_seen();
+  for (const Inlet& inlet : start.inlets) {
+    if (bodies_.empty() || bodies_.back().body != ground) ++bodies_loaded_;
+    load_of_.push_back(bodies_loaded_ - 1);
+    bodies_.push_back({ground, scene_.body_name(ground), norm(inlet.of.pose.p_WB)});
+  }
   const double window =
       scene_.coupling.adaptive ? scene_.coupling.adaptive->max_window : scene_.coupling.window;
   if (const double steps = window / step_at_rest(); steps > most_steps)
@@ -71,15 +80,20 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         fmt::format("the step of {:.4g} s cuts the window of {:.4g} s into {:.4g} steps, more than {:.0f}",
                     step_at_rest(), window, steps, most_steps),
         sph.micro_step ? "sph.micro_step" : "sph.spacing", "enlarge it, or shorten the window");
+  for (const std::string& sentence : start.warnings) warn(sentence);
   const std::size_t predicted = check_memory(start);
   const LiquidState liquid_now = particles_of(start, scene_);
-  particles_ = liquid_now.size();
-  if (const std::uint64_t size = protocol::size_of_particles_frame(particles_, true);
+  at_start_ = static_cast<std::uint32_t>(liquid_now.size());
+  id_.resize(at_start_);
+  std::iota(id_.begin(), id_.end(), 0u);
+  if (const std::uint64_t size =
+          protocol::size_of_particles_frame(at_start_ + traffic_.to_come(scene_.end_time), true);
       scene_.output.particles && size > protocol::max_payload)
     throw Error(
         ErrorCode::resource,
-        fmt::format("a frame of {} particles has {:.2f} GB; messages end at {:.2f} GB", particles_,
-                    static_cast<double>(size) / 1e9, static_cast<double>(protocol::max_payload) / 1e9),
+        fmt::format("a frame of {} particles has {:.2f} GB; messages end at {:.2f} GB",
+                    at_start_ + traffic_.to_come(scene_.end_time), static_cast<double>(size) / 1e9,
+                    static_cast<double>(protocol::max_payload) / 1e9),
         "output.particles",
         "leave particles out of frames (\"output\": {\"particles\": false}), or use a larger spacing");
   engine_ = make_liquid_engine(start.setup, sph.precision == scene::LiquidPrecision::mixed);
@@ -91,7 +105,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   memory_.energy_scale = memory_.energy_start;
 
   protocol::SphFacts facts;
-  facts.particles = particles_;
+  facts.particles = id_.size();
   facts.backend = "cpu";
   facts.device = dem::device_name(dem::Backend::cpu);
   facts.precision = precision_name();
@@ -109,14 +123,14 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   facts.warnings = warnings_;  // also here, since a run that fails requests no report
   nlohmann::ordered_json others;
   others["spacing_m"] = properties_.spacing;
-  others["mass_kg"] = static_cast<double>(particles_) * properties_.mass();
+  others["mass_kg"] = mass();
   others["depth_m"] = start.depth;
   others["sound_speed_by"] = liquid.sound_speed ? "scene" : "rule";
   others["setup_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   log::info(
       "{} particles of '{}' on cpu ({}), spacing {:.4g} m, speed of sound {:.4g} m/s, step {:.4g} s: {} in a "
       "window",
-      particles_, liquid.name, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
+      id_.size(), liquid.name, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
       *facts.steps_per_window);
   for (const std::string& what : left_out) log::info("left out: {}", what);
   std::vector<double> measured;

@@ -10,6 +10,8 @@
 #include "sph_server/equations/limits.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/io/check_start.hpp"
+#include "sph_server/io/open_faces.hpp"
+#include "sph_server/neighbours/neighbour.hpp"
 
 namespace tandem::sph {
 namespace {
@@ -31,8 +33,9 @@ Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth) {
   liquid.artificial = given.artificial_viscosity;
   liquid.shifting = given.shifting;
   liquid.gravity = gravity;
-  liquid.sound_speed = given.sound_speed.value_or(
-      suggested_sound_speed(std::max(given.expected_speed, norm(given.velocity)), norm(gravity), depth));
+  double speed = std::max(given.expected_speed, norm(given.velocity));
+  for (const scene::LiquidInlet& inlet : sph.inlets) speed = std::max(speed, inlet.speed());
+  liquid.sound_speed = given.sound_speed.value_or(suggested_sound_speed(speed, norm(gravity), depth));
   return liquid;
 }
 
@@ -83,9 +86,21 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
     start.setup.walls.push_back(body.mesh);
     start.setup.slip.push_back(is_slip(sph, body.body));
   }
+  start.inlets = inlets_of(sph);
+  for (const Inlet& inlet : start.inlets) {
+    start.poses.push_back(inlet.pose(0, 0));
+    start.setup.walls.push_back(inlet.piston);
+    start.setup.slip.push_back(sph.wall_friction == scene::WallFriction::free_slip);
+  }
   check_start(start.sites, scene, start.walls, start.poses);
+  start.warnings = open_faces(scene, meshes, start.insides, start.setup, start.poses);
   start.setup.domain = sph.domain;
   start.setup.periods = periods_of(sph);
+  if (!start.inlets.empty()) {
+    const Vec3d size = sph.domain.max - sph.domain.min;
+    const double filled = size.x * size.y * size.z / (sph.spacing * sph.spacing * sph.spacing);
+    start.setup.capacity = static_cast<std::size_t>(std::clamp(filled, 1.0, double{Neighbour::most}));
+  }
   return start;
 }
 

@@ -7,16 +7,19 @@
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/io/body_walls.hpp"
 #include "sph_server/io/fill.hpp"
+#include "sph_server/io/inlets.hpp"
 
 namespace tandem::sph {
 
 struct LiquidStart {
   LiquidSetup setup;
-  std::vector<BodyWalls> walls;      // of setup.walls
-  std::vector<dem::BodyPose> poses;  // of them
+  std::vector<BodyWalls> walls;  // of setup.walls, which end with the pistons of the inlets
+  std::vector<Inlet> inlets;
+  std::vector<dem::BodyPose> poses;  // of setup.walls
   Sites sites;                       // of the boxes
   std::vector<FilledInside> insides;
-  double depth = 0;  // of the deepest liquid [m]
+  double depth = 0;                   // of the deepest liquid [m]
+  std::vector<std::string> warnings;  // see open_faces()
 
   std::size_t particles() const;  // about as many as there will be
 };

@@ -33,7 +33,8 @@ std::unique_ptr<protocol::LoadSolver> make_solver() {
 }
 
 bool Solver::Memory::is_possible() const {
-  for (const double figure : {density_error, volume_error, speed, wall_speed, shortest_step, energy_scale})
+  for (const double figure : {density_error, volume_error, speed, wall_speed, shortest_step, energy_scale,
+                              energy_came, energy_went})
     if (!(std::isfinite(figure) && figure >= 0)) return false;
   return std::isfinite(energy_start) && std::isfinite(energy_residual);
 }
@@ -131,15 +132,28 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   sensors_.begin_window();
   protocol::ParticleAccount& account = loads_.account;
   account.momentum_begin = engine_->momentum();
+  account.lost_momentum = {};
+  record(traffic_.drain(*engine_, id_, passed_));
   previous_poses_ = engine_->poses();
   std::uint64_t steps = 0;
+  double fallen = 0;  // integral of the mass of the liquid [kg s]
+  const double start = to_seconds(motion.window.begin), nearly = 0.5 * step_at_rest();
   for (double t = 0; t < length; ++steps) {
-    const double dt = next_step(length - t);
-    const double end = length - t - dt < 0.5 * dt ? length : t + dt;
+    // A layer comes in up to half a step early or late, so that no step is much shorter than the others.
+    if (traffic_.next(passed_) <= start + t + nearly) {
+      record(traffic_.feed(*engine_, start + t, start + t + nearly, at_start_, id_, passed_));
+      previous_poses_ = engine_->poses();
+    }
+    const double due = traffic_.next(passed_) - start, stop = due < length - nearly ? due : length;
+    const double dt = next_step(stop - t);
+    const double end = stop - t - dt < 0.5 * dt ? stop : t + dt;
     poses_.clear();
     for (const dem::PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, end / length));
+    traffic_.place_pistons(start + end, passed_, poses_);
     take_step(end - t);
     add_step(t, end - t, length);
+    fallen += (end - t) * mass();
+    memory_.particle_steps += id_.size();
     watch_limits();
     std::swap(poses_, previous_poses_);
     t = end;
@@ -154,18 +168,18 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     Wrench& end = loads_.bodies[load_of_[b]].end;
     end.force += at_end[b].force;
     end.torque += at_end[b].torque;
+    if (bodies_[b].body == ground) end.torque += cross(engine_->poses()[b].p, at_end[b].force);
   }
   account.micro_steps = steps;
   account.micro_step = length / static_cast<double>(steps);
   account.momentum_end = engine_->momentum();
-  account.gravity_impulse =
-      (length * static_cast<double>(particles_) * properties_.mass()) * properties_.gravity;
+  account.gravity_impulse = (traffic_.any() ? fallen : length * mass()) * properties_.gravity;
   account.rebuilds = engine_->figures().rebuilds;
   memory_.now = motion.window.end.count;
   memory_.micro_steps += steps;
   watch_energy();
-  const double volume = static_cast<double>(particles_) * properties_.mass() / properties_.density;
-  memory_.volume_error = std::max(memory_.volume_error, std::abs(engine_->volume() / volume - 1));
+  if (const double volume = mass() / properties_.density; volume > 0)
+    memory_.volume_error = std::max(memory_.volume_error, std::abs(engine_->volume() / volume - 1));
   account.kinetic_energy = engine_->energies().kinetic;
   if (sensors_.any()) loads_.sensors = sensors_.measure(engine_->state(), engine_->poses(), length, seen_);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
@@ -181,7 +195,10 @@ void Solver::add_step(double begin, double dt, double length) {
   memory_.shortest_step = memory_.shortest_step > 0 ? std::min(memory_.shortest_step, dt) : dt;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     protocol::BodyLoad& sum = loads_.bodies[load_of_[b]];
-    const Vec3d impulse = dt * loads[b].force, twist = dt * loads[b].torque;
+    const Vec3d impulse = dt * loads[b].force;
+    Vec3d twist = dt * loads[b].torque;
+    // The torque of the ground is about the world's origin; pistons have their own.
+    if (bodies_[b].body == ground) twist += cross(previous_poses_[b].p, impulse);
     sum.mean.force += impulse;
     sum.mean.torque += twist;
     sum.first_moment.force += from_middle * impulse;
@@ -190,6 +207,12 @@ void Solver::add_step(double begin, double dt, double length) {
     const dem::BodyPose &from = previous_poses_[b], &to = poses_[b];
     sum.work += dot(impulse, 0.5 * (from.v + to.v)) + dot(twist, 0.5 * (from.w + to.w));
   }
+}
+
+void Solver::record(const Traffic::Brought& brought) {
+  loads_.account.lost_momentum -= brought.momentum;
+  memory_.energy_came += brought.came;
+  memory_.energy_went += brought.went;
 }
 
 void Solver::watch_limits() {
@@ -210,25 +233,26 @@ void Solver::watch_limits() {
 void Solver::watch_energy() {
   const EnergyBalance e = engine_->energies();
   const double energy = e.kinetic + e.compression;
-  memory_.energy_residual = energy - memory_.energy_start - e.changes();
-  double scale = energy;
+  memory_.energy_residual =
+      energy - memory_.energy_start - e.changes() - memory_.energy_came + memory_.energy_went;
+  double scale = energy + memory_.energy_came + memory_.energy_went;
   for (const double change :
        {e.gravity, e.viscosity, e.bulk_viscosity, e.diffusion, e.cavitation, e.ghost, e.repulsion, e.walls})
     scale += std::abs(change);
   memory_.energy_scale = std::max(memory_.energy_scale, scale);
 }
 
-void Solver::fill(const LiquidState& state, Nanoseconds time, protocol::ParticlesFrame& frame) const {
+void Solver::fill(const LiquidState& state, const std::vector<std::uint32_t>& id, Nanoseconds time,
+                  protocol::ParticlesFrame& frame) const {
   const std::size_t n = state.size();
   frame.time = time;
-  frame.id.resize(n);
+  frame.id = id;
   frame.position.resize(3 * n);
   frame.velocity.resize(3 * n);
   frame.spin.assign(3 * n, 0.0f);
   frame.radius.assign(n, static_cast<float>(0.5 * properties_.spacing));
   frame.liquid.resize(protocol::ParticlesFrame::liquid_values * n);
   for (std::size_t i = 0; i < n; ++i) {
-    frame.id[i] = static_cast<std::uint32_t>(i);
     for (std::size_t a = 0; a < 3; ++a) {
       frame.position[3 * i + a] = state.position[i][static_cast<int>(a)];
       frame.velocity[3 * i + a] = static_cast<float>(state.velocity[i][static_cast<int>(a)]);
@@ -239,17 +263,18 @@ void Solver::fill(const LiquidState& state, Nanoseconds time, protocol::Particle
 }
 
 const protocol::ParticlesFrame& Solver::observe() {
-  fill(engine_->state(), Nanoseconds{memory_.now}, frame_);
+  fill(engine_->state(), id_, Nanoseconds{memory_.now}, frame_);
   return frame_;
 }
 
 void Solver::snapshot() {
   kept_ = engine_->state();
+  kept_id_ = id_;
   snapshot_.time = Nanoseconds{memory_.now};
 }
 
 const protocol::ParticlesFrame& Solver::read_snapshot() {
-  fill(kept_, snapshot_.time, snapshot_);
+  fill(kept_, kept_id_, snapshot_.time, snapshot_);
   return snapshot_;
 }
 
@@ -257,12 +282,16 @@ void Solver::save() {
   engine_->save();
   saved_ = memory_;
   saved_seen_ = seen_;
+  saved_passed_ = passed_;
+  saved_id_ = id_;
 }
 
 void Solver::restore() {
   engine_->restore();
   memory_ = saved_;
   seen_ = saved_seen_;
+  passed_ = saved_passed_;
+  id_ = saved_id_;
 }
 
 void Solver::warn(const std::string& sentence) {
@@ -319,12 +348,17 @@ protocol::Report Solver::report() {
   others["max_speed"] = memory_.speed;
   others["shortest_step_s"] = memory_.shortest_step;
   others["list_rebuilds"] = figures.rebuilds;
-  others["particle_steps"] = particles_ * memory_.micro_steps;
+  others["particle_steps"] = memory_.particle_steps;
   others["energy_J"] = {{"kinetic", e.kinetic}, {"compression", e.compression}};
   others["work_J"] = {
       {"gravity", e.gravity},     {"viscosity", e.viscosity},   {"bulk_viscosity", e.bulk_viscosity},
       {"diffusion", e.diffusion}, {"cavitation", e.cavitation}, {"ghost", e.ghost},
       {"repulsion", e.repulsion}, {"walls", e.walls},           {"edges", e.edges}};
+  if (traffic_.any()) {
+    others["work_J"]["inlets"] = memory_.energy_came;
+    others["work_J"]["outlets"] = -memory_.energy_went;
+  }
+  traffic_.report(passed_, facts, others);
   return {protocol::encode_facts(facts, others)};
 }
 

@@ -11,6 +11,7 @@
 #include "protocol/participant/solver.hpp"
 #include "sph_server/coupling/liquid_start.hpp"
 #include "sph_server/coupling/sensors.hpp"
+#include "sph_server/coupling/traffic.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 
 namespace tandem::sph {
@@ -38,7 +39,7 @@ class Solver final : public protocol::LoadSolver {
   // restart file holds it. Numbers only, without gaps.
   struct Memory {
     std::int64_t now = 0;  // [ns]
-    std::uint64_t micro_steps = 0;
+    std::uint64_t micro_steps = 0, particle_steps = 0;
     double density_error = 0;  // largest |rho/rho0 - 1| [-]
     double volume_error = 0;   // largest |V/V0 - 1| of the whole liquid, V0 without pressure [-]
     double speed = 0;          // largest of a particle [m/s]
@@ -47,6 +48,7 @@ class Solver final : public protocol::LoadSolver {
     double energy_start = 0;   // kinetic and of compression [J]
     double energy_scale = 0;   // largest sum of energy and of the sizes of its changes [J]
     double energy_residual = 0;
+    double energy_came = 0, energy_went = 0;  // with particles through inlets and outlets [J]
 
     bool is_possible() const;
   };
@@ -66,10 +68,13 @@ class Solver final : public protocol::LoadSolver {
   Error explained(const Error& error) const;
   double mach() const { return memory_.speed / properties_.sound_speed; }
   void add_step(double begin, double dt, double length);
+  void record(const Traffic::Brought& brought);
+  double mass() const { return static_cast<double>(id_.size()) * properties_.mass(); }  // [kg]
   std::size_t check_memory(const LiquidStart& start) const;
   void watch_limits();
   void watch_energy();
-  void fill(const LiquidState& state, Nanoseconds time, protocol::ParticlesFrame& frame) const;
+  void fill(const LiquidState& state, const std::vector<std::uint32_t>& id, Nanoseconds time,
+            protocol::ParticlesFrame& frame) const;
   void warn(const std::string& sentence);
   std::vector<std::string> warnings_of_run() const;
   std::string precision_name() const;
@@ -77,13 +82,17 @@ class Solver final : public protocol::LoadSolver {
   scene::Scene scene_;
   Liquid properties_;
   std::unique_ptr<LiquidEngine> engine_;
-  // Of each mesh of walls, see walls_of_bodies(): its body, and the place of that in the loads.
+  // Of each mesh of walls, see walls_of_bodies(), and of each piston of an inlet: its body, and the place of
+  // that in the loads.
   std::vector<dem::BoundaryBody> bodies_;
   std::vector<std::size_t> load_of_;
   std::size_t bodies_loaded_ = 0;
   Sensors sensors_;
   std::vector<Sensors::Seen> seen_, saved_seen_;
-  std::size_t particles_ = 0;
+  Traffic traffic_;
+  std::vector<Traffic::Seen> passed_, saved_passed_;
+  std::vector<std::uint32_t> id_, saved_id_;  // of the particles, ascending
+  std::uint32_t at_start_ = 0;                // particles
   Memory memory_, saved_;
   std::vector<dem::PreparedPath> paths_;
   std::vector<dem::BodyPose> poses_, previous_poses_;   // of bodies_, at the ends of the present step
@@ -92,6 +101,7 @@ class Solver final : public protocol::LoadSolver {
   std::vector<std::string> warnings_;
   protocol::LoadSet loads_;
   LiquidState kept_;  // of the snapshot
+  std::vector<std::uint32_t> kept_id_;
   protocol::ParticlesFrame frame_, snapshot_;
 };
 

@@ -2,7 +2,8 @@
 
 #include <numbers>
 
-#include "sph_server/engine/liquid_engine_of.hpp"
+#include "sph_server/engine/exchange.hpp"
+#include "sph_server/engine/state_copies.hpp"
 
 namespace tandem::sph {
 

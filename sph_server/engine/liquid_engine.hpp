@@ -24,6 +24,8 @@ struct LiquidSetup {
   std::vector<TriangleMesh> walls;  // one per body, in its frame
   std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
   unsigned threads = 1;             // 0: see dem::ThreadPool
+  // Particles that there may be where some come in later, for the range of sums; 0: those of the start.
+  std::size_t capacity = 0;
 };
 
 // Particles on the host.
@@ -80,6 +82,10 @@ class LiquidEngine {
   virtual void step(double dt, const std::vector<dem::BodyPose>& poses) = 0;
   void step(double dt) { step(dt, poses()); }
   virtual const std::vector<dem::BodyPose>& poses() const = 0;
+  // Takes particles out, by ascending index, and appends those of `arriving`; bodies then have the given
+  // poses. Rates are computed at once. The next step has no step before it, as the first one.
+  virtual void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
+                        const std::vector<dem::BodyPose>& poses) = 0;
   // Moves particles apart under the same pressure [Pa] for all, without gravity and with velocities reduced
   // to a part `damping` in each step, until walls and particles fill the space evenly.
   virtual void pack(double pressure, double dt, double damping, int steps) = 0;
@@ -99,11 +105,11 @@ class LiquidEngine {
   virtual void save() = 0;
   virtual void restore() = 0;
   // The same as named arrays. An engine of the same setup that has read them continues with the same bits.
-  // read: Error{resource} where an array has another size.
+  // read: Error{resource} where an array has another size than that of so many particles.
   using Sink = std::function<void(const std::string& name, std::span<const std::byte> bytes)>;
   using Source = std::function<std::vector<std::byte>(const std::string& name)>;
   virtual void write(const Sink& sink) const = 0;
-  virtual void read(const Source& source) = 0;
+  virtual void read(const Source& source, std::size_t particles) = 0;
 };
 
 // Error{scene} for a liquid whose properties are out of range. `single`: pair arithmetic and what neighbours

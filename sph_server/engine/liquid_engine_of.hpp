@@ -67,36 +67,23 @@ class LiquidEngineOf final : public LiquidEngine {
   void set_state(const LiquidState& state, const std::vector<dem::BodyPose>& poses) override {
     set_poses(poses);
     const std::size_t n = state.size();
-    if (n == 0 || n >= Neighbour::most)
+    if ((n == 0 && setup_.capacity == 0) || n >= Neighbour::most)
       throw Error(ErrorCode::scene, "a liquid of " + std::to_string(n) + " particles", "particles",
                   "give from 1 to " + std::to_string(Neighbour::most - 1));
     allocate(n);
-    for (std::uint32_t i = 0; i < n; ++i) {
-      dem::FinePart<Real> fine{};
-      position_[i].radius = 0;
-      centres_.split(centres_.wrapped(centres_.of(state.position[i]), setup_.periods), position_[i], fine);
-      dem::set_velocity(state.velocity[i], velocity_[i], fine);
-      fine_[i] = fine;
-      compression_[i] = state.compression[i];
-      slope_[i] = (setup_.liquid.density * setup_.liquid.gravity).template as<Real>();
-      advance_.update_state(i);
-    }
-    set_quanta(n);
+    for (std::uint32_t i = 0; i < n; ++i) place(i, state, i);
+    set_quanta(std::max(n, setup_.capacity));
     built_at_.clear();
     rebuild();
     // The tension that particles bear follows from what fills their kernels.
     sum_rates();
     for (std::uint32_t i = 0; i < n; ++i) advance_.update_state(i);
     sum_rates();
-    // The first step has no step before it.
-    acceleration_[1] = acceleration_[0];
-    rate_[1] = rate_[0];
-    previous_body_sums_ = body_sums_;
-    step_loads_ = loads();
-    std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
-    last_dt_ = 0;
+    begin_steps();
     work_ = {};
   }
+  void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
+                const std::vector<dem::BodyPose>& poses) override;
 
   LiquidState state() const override {
     LiquidState s;
@@ -198,45 +185,10 @@ class LiquidEngineOf final : public LiquidEngine {
 
   StepFigures figures() const override { return figures_; }
 
-  void save() override {
-    saved_.clear();
-    each_array(*this, [&](const char*, const auto& array) {
-      const auto bytes = bytes_of(array);
-      saved_.emplace_back(bytes.begin(), bytes.end());
-    });
-    saved_list_ = list_;
-  }
-  void restore() override {
-    std::size_t next = 0;
-    each_array(*this, [&](const char*, auto& array) { assign(saved_.at(next++), array); });
-    list_ = saved_list_;
-    use_list();
-    place_walls(poses_);
-  }
-
-  // Arrays without an element, as those of bodies without walls, are in no file.
-  void write(const Sink& sink) const override {
-    each_array(*this, [&](const char* name, const auto& array) {
-      if (const auto bytes = bytes_of(array); !bytes.empty()) sink(name, bytes);
-    });
-  }
-  void read(const Source& source) override {
-    each_array(*this, [&](const char* name, auto& array) {
-      const std::size_t size = bytes_of(array).size();
-      if (size == 0) return;
-      const std::vector<std::byte> bytes = source(name);
-      if (bytes.size() != size)
-        throw Error(ErrorCode::resource,
-                    "its array '" + std::string(name) + "' has " + std::to_string(bytes.size()) + " bytes",
-                    {}, "continue from another checkpoint");
-      assign(bytes, array);
-    });
-    // The lists are those of the positions and poses when they were built.
-    place_walls(built_poses_);
-    build_list(grid_, setup_.periods, built_at_, reach_, walls_, pool_, list_);
-    use_list();
-    place_walls(poses_);
-  }
+  void save() override;
+  void restore() override;
+  void write(const Sink& sink) const override;
+  void read(const Source& source, std::size_t particles) override;
 
  private:
   // All that a step reads and that follows from nothing else, besides the lists.
@@ -265,6 +217,23 @@ class LiquidEngineOf final : public LiquidEngine {
     visit("work", e.work_.of);
     visit("last_dt", e.last_dt_);
     visit("figures", e.figures_);
+  }
+
+  // Arrays with an entry per particle.
+  template <class Visit>
+  void each_particle_array(Visit visit) {
+    visit(position_);
+    visit(velocity_);
+    visit(fine_);
+    visit(state_);
+    visit(slope_);
+    visit(filled_);
+    if constexpr (shifting) visit(shift_);
+    visit(compression_);
+    for (int side = 0; side < 2; ++side) {
+      visit(acceleration_[side]);
+      visit(rate_[side]);
+    }
   }
 
   template <class Each>
@@ -349,18 +318,12 @@ class LiquidEngineOf final : public LiquidEngine {
   }
 
   void allocate(std::size_t n) {
-    position_.resize(n);
-    velocity_.resize(n);
-    fine_.resize(n);
-    state_.resize(n);
-    compression_.resize(n);
-    for (int side = 0; side < 2; ++side) {
-      acceleration_[side].assign(n, {});
-      rate_[side].assign(n, 0.0);
-    }
-    slope_.assign(n, {});
-    filled_.assign(n, 1.0f);
-    liquid_.count = static_cast<std::uint32_t>(n);
+    each_particle_array([n](auto& array) { array.assign(n, {}); });
+    use_arrays();
+  }
+
+  void use_arrays() {
+    liquid_.count = static_cast<std::uint32_t>(position_.size());
     liquid_.position = position_.data();
     liquid_.velocity = velocity_.data();
     liquid_.fine = fine_.data();
@@ -368,15 +331,35 @@ class LiquidEngineOf final : public LiquidEngine {
     liquid_.compression = compression_.data();
     liquid_.slope = slope_.data();
     liquid_.filled = filled_.data();
-    if constexpr (shifting) {
-      shift_.assign(n, {});
-      liquid_.shift = shift_.data();
-    }
+    if constexpr (shifting) liquid_.shift = shift_.data();
     for (int side = 0; side < 2; ++side) {
       liquid_.acceleration[side] = acceleration_[side].data();
       liquid_.rate[side] = rate_[side].data();
     }
     give_arrays();
+  }
+
+  // Initialises particle i as particle k of `from`, with the gradient of a liquid at rest.
+  void place(std::uint32_t i, const LiquidState& from, std::size_t k) {
+    dem::FinePart<Real> fine{};
+    position_[i].radius = 0;
+    centres_.split(centres_.wrapped(centres_.of(from.position[k]), setup_.periods), position_[i], fine);
+    dem::set_velocity(from.velocity[k], velocity_[i], fine);
+    fine_[i] = fine;
+    compression_[i] = from.compression[k];
+    slope_[i] = (setup_.liquid.density * setup_.liquid.gravity).template as<Real>();
+    filled_[i] = 1;
+    advance_.update_state(i);
+  }
+
+  // The next step has no step before it.
+  void begin_steps() {
+    acceleration_[1] = acceleration_[0];
+    rate_[1] = rate_[0];
+    previous_body_sums_ = body_sums_;
+    step_loads_ = loads();
+    std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
+    last_dt_ = 0;
   }
 
   void give_arrays() { rates_.pairs.liquid = rates_.walls.liquid = advance_.liquid = liquid_; }

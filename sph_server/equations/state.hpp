@@ -3,6 +3,8 @@
 // The state is the compression e = rho/rho0 - 1, which keeps its digits where it is small.
 #pragma once
 
+#include <cmath>
+
 #include "common/host_device.hpp"
 
 namespace tandem::sph {
@@ -10,6 +12,11 @@ namespace tandem::sph {
 // p in units of rho0 c0^2 [-]; the expanded power keeps the digits of a small e.
 TANDEM_HD inline double tait_pressure(double e) {
   return e * (1 + e * (3 + e * (5 + e * (5 + e * (3 + e * (1 + e / 7))))));
+}
+
+// The compression at a pressure p >= 0 in units of rho0 c0^2 [-].
+inline double compression_at(double p) {
+  return std::expm1(std::log1p(7 * p) / 7);
 }
 
 // Energy of compression per mass in units of c0^2: the integral of p/rho^2 from rho0 to rho [-]:

@@ -27,6 +27,27 @@ namespace {
   SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": [{"type": "inside", )" more "}]}", \
       TUB)
 
+#define INLET(more) SPH(LIQUID(""), R"("inlets": [{"name": "pipe", )" more "}],")
+#define RECTANGLE R"("position": [0, 0, 0.5], "shape": {"type": "rectangle", "size": [0.04, 0.08]})"
+
+TEST(Sph, InletsAndOutletsAreRead) {
+  const nlohmann::json json = good_scene().patch(nlohmann::json::parse(
+      SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": []})", R"("inlets": [
+             {"name": "pipe", )" RECTANGLE R"(, "flow": 0.0032, "end": 2},
+             {"name": "nozzle", "position": [0, 0, 0.5], "orientation": {"axis": [0, 1, 0], "angle_deg": 90},
+              "shape": {"type": "disc", "radius": 0.1}, "velocity": 2, "start": 0.5}],
+             "outlets": [{"name": "drain", "region": {"type": "box", "min": [-1, -1, -1], "max": [1, 1, -0.9]}}],)")));
+  const Scene scene = parse(json.dump(), "scene.json");
+  EXPECT_NO_THROW(validate(scene, "scene.json"));
+  const std::vector<LiquidInlet>& inlets = scene.sph->inlets;
+  ASSERT_EQ(inlets.size(), 2u);
+  EXPECT_NEAR(inlets[0].speed(), 1, 1e-12);
+  EXPECT_NEAR(inlets[1].area(), 0.0314159265, 1e-9);
+  EXPECT_NEAR(inlets[1].pose.q_WB.rotate({0, 0, 1}).x, 1, 1e-12);
+  ASSERT_EQ(scene.sph->outlets.size(), 1u);
+  EXPECT_EQ(std::get<Box>(scene.sph->outlets[0].region).max.z, -0.9);
+}
+
 TEST(Sph, SensorsAndPairsAreRead) {
   const nlohmann::json json =
       good_scene().patch(nlohmann::json::parse(SPH(LIQUID(R"("shifting": 5,)"), TUB R"("sensors": [
@@ -173,6 +194,36 @@ const WrongScene wrong_sph[] = {
      "[" SPH_WITH(LIQUID(""), "") R"(, {"op": "add", "path": "/gravity", "value": [0, 0, 0]}])",
      "sph.liquids[0]: no speed of sound follows: there is no gravity, and no speed is expected (give "
      "expected_speed, the largest speed that the run will have [m/s], or sound_speed)"},
+    {"InletWithoutFlow", INLET(RECTANGLE),
+     "sph.inlets[0]: the inlet has neither velocity nor flow (give one of them)"},
+    {"InletWithBoth", INLET(RECTANGLE R"(, "velocity": 1, "flow": 1)"),
+     "sph.inlets[0]: the inlet has a velocity and a flow (give one of them)"},
+    {"InletOfPartsOfASpacing",
+     INLET(R"("position": [0, 0, 0.5], "velocity": 1, "shape": {"type": "rectangle", "size": [0.05, 0.08]})"),
+     "sph.inlets[0].shape.size[0]: the inlet is 0.05 m wide, which is 2.5 times sph.spacing (particles are "
+     "cubes of one spacing: give 0.04 or 0.06)"},
+    {"InletBelowASpacing",
+     INLET(R"("position": [0, 0, 0.5], "velocity": 1, "shape": {"type": "disc", "radius": 0.01})"),
+     "sph.inlets[0].shape.radius: the radius of 0.01 m is less than sph.spacing (give at least 0.02)"},
+    {"InletBeyondTheDomain",
+     INLET(R"("position": [0, 0, 0.99], "velocity": 1, "shape": {"type": "disc", "radius": 0.1})"),
+     "sph.inlets[0].position: the inlet, with two spacings in front of it, reaches to [-0.1, -0.1, 1.03] m, "
+     "outside the domain (enlarge sph.domain or move the inlet)"},
+    {"InletThatEndsBeforeItStarts", INLET(RECTANGLE R"(, "velocity": 1, "start": 2, "end": 1)"),
+     "sph.inlets[0].end: the inlet ends at 1 s, and starts at 2 s (give a later end)"},
+    {"InletBeyondTheSpeedOfSound",
+     SPH(LIQUID(R"("sound_speed": 20,)"),
+         R"("inlets": [{"name": "pipe", )" RECTANGLE R"(, "velocity": 3}],)"),
+     "sph.inlets[0]: the liquid comes in with 3 m/s, more than a tenth of sound_speed (give a sound_speed of "
+     "30 m/s or more, or a larger inlet)"},
+    {"OutletBeyondTheDomain",
+     SPH(LIQUID(""),
+         R"("outlets": [{"name": "drain", "region": {"type": "plane", "point": [0, 0, -2], "normal": [0, 0, -1]}}],)"),
+     "sph.outlets[0].region: no place of sph.domain is in it, so that no particle goes out (move it into the "
+     "domain)"},
+    {"NoLiquidAtAll", SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": []})", ""),
+     "sph.liquids[0].fill: there is no liquid: nothing is filled, and no inlet brings any (give a fill or an "
+     "inlet)"},
     {"EndlessCylinder",
      SPH(LIQUID(""), R"("walls": [{"name": "pipe", "shape": {"type": "cylinder", "radius": 1}}],)"),
      "sph.walls[0].shape: the cylinder is endless, and the liquid knows no such wall (give it a height)"},

@@ -134,6 +134,24 @@ TEST(LiquidStart, RefusesFillsThatAreNotInTheWall) {
   EXPECT_THAT(refusal(scene), HasSubstr("sph.liquids[0].fill[0]: another fill is in it as well, at"));
 }
 
+TEST(LiquidStart, WarnsOfAFaceThatIsOpenBelowTheLevel) {
+  const auto warnings = [](const json& scene) {
+    return sph::prepare_start(scene::parse(scene.dump(), "vat.json"), {}).warnings;
+  };
+  json scene = vat();
+  EXPECT_TRUE(warnings(scene).empty()) << "open above the level";
+  json& vat = scene["sph"]["walls"][0];
+  vat["shape"]["open"] = {"+z", "+x"};
+  ASSERT_EQ(warnings(scene).size(), 1u);
+  EXPECT_THAT(warnings(scene)[0],
+              HasSubstr("sph.liquids[0].fill[0]: wall 'vat' is open at +x below the level"));
+  // A gate, which ends above the level, closes it.
+  scene["sph"]["walls"].push_back(box_wall("gate", {0.25, 0, 0.1}, {0.1, 0.2, 0.2}));
+  EXPECT_TRUE(warnings(scene).empty());
+  scene["sph"]["walls"][1] = box_wall("gate", {0.25, 0, 0.05}, {0.1, 0.2, 0.1});
+  EXPECT_EQ(warnings(scene).size(), 1u) << "above the gate";
+}
+
 TEST(LiquidStart, RefusesABoxThroughWhichAWallPasses) {
   json scene = vat();
   fill_of(scene)[0] = {{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0.26, 0.1, 0.16}}};

@@ -1,0 +1,151 @@
+#include "sph_server/coupling/traffic.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "sph_server/engine/probe.hpp"
+#include "sph_server/equations/state.hpp"
+#include "sph_server/neighbours/neighbour.hpp"
+
+namespace tandem::sph {
+namespace {
+
+bool contains(const scene::Outlet& outlet, Vec3d x) {
+  if (const auto* beyond = std::get_if<scene::HalfSpace>(&outlet.region))
+    return dot(x - beyond->point, beyond->normal) > 0;
+  const auto& box = std::get<scene::Box>(outlet.region);
+  for (int a = 0; a < 3; ++a)
+    if (!(x[a] >= box.min[a] && x[a] < box.max[a])) return false;
+  return true;
+}
+
+// Kinetic and of compression [J].
+double energy_of(const Liquid& l, Vec3d v, double compression) {
+  return l.mass() * (0.5 * norm2(v) + l.sound_speed * l.sound_speed * tait_energy(compression));
+}
+
+}  // namespace
+
+Traffic::Traffic(const scene::Sph& sph, std::vector<Inlet> inlets, const LiquidSetup& setup)
+    : inlets_(std::move(inlets)), outlets_(sph.outlets), liquid_(setup.liquid), periods_(setup.periods) {
+  if (inlets_.empty()) return;
+  const std::vector<TriangleMesh> walls(setup.walls.begin(),
+                                        setup.walls.end() - static_cast<std::ptrdiff_t>(inlets_.size()));
+  walls_ = Walls(walls, liquid_.support());
+}
+
+bool Traffic::is_possible(const std::vector<Seen>& seen) const {
+  for (std::size_t k = 0; k < seen.size(); ++k)
+    if (k < inlets_.size() ? seen[k].particles != seen[k].layers * inlets_[k].site.size() : seen[k].layers != 0)
+      return false;
+  return came_in(seen) < Neighbour::most;
+}
+
+std::uint64_t Traffic::came_in(const std::vector<Seen>& seen) const {
+  std::uint64_t sum = 0;
+  for (std::size_t k = 0; k < inlets_.size(); ++k) sum += seen[k].particles;
+  return sum;
+}
+
+void Traffic::place_pistons(double time, const std::vector<Seen>& seen,
+                            std::span<dem::BodyPose> poses) const {
+  for (std::size_t k = 0; k < inlets_.size(); ++k)
+    poses[poses.size() - inlets_.size() + k] = inlets_[k].pose(time, seen[k].layers);
+}
+
+double Traffic::next(const std::vector<Seen>& seen) const {
+  double next = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < inlets_.size(); ++k)
+    if (const double due = inlets_[k].due(seen[k].layers); due <= inlets_[k].end()) next = std::min(next, due);
+  return next;
+}
+
+Traffic::Brought Traffic::drain(LiquidEngine& engine, std::vector<std::uint32_t>& id,
+                                std::vector<Seen>& seen) const {
+  Brought brought;
+  if (outlets_.empty()) return brought;
+  const LiquidState state = engine.state();
+  std::vector<std::uint32_t> leaving, stay;
+  for (std::uint32_t i = 0; i < state.size(); ++i) {
+    const auto outlet =
+        std::ranges::find_if(outlets_, [&](const auto& o) { return contains(o, state.position[i]); });
+    if (outlet == outlets_.end()) {
+      stay.push_back(id[i]);
+      continue;
+    }
+    ++seen[inlets_.size() + static_cast<std::size_t>(outlet - outlets_.begin())].particles;
+    leaving.push_back(i);
+    brought.momentum -= liquid_.mass() * state.velocity[i];
+    brought.went += energy_of(liquid_, state.velocity[i], state.compression[i]);
+  }
+  if (leaving.empty()) return brought;
+  id = std::move(stay);
+  engine.exchange(leaving, {}, engine.poses());
+  return brought;
+}
+
+Traffic::Brought Traffic::feed(LiquidEngine& engine, double time, double due, std::uint32_t first,
+                               std::vector<std::uint32_t>& id, std::vector<Seen>& seen) {
+  Brought brought;
+  const LiquidState state = engine.state();
+  std::vector<dem::BodyPose> poses = engine.poses();
+  for (std::uint32_t w = 0; w < walls_.bodies(); ++w) walls_.set_pose(w, poses[w]);
+  const Probe probe(state, liquid_, periods_, walls_);
+  const double stiffness = liquid_.density * liquid_.sound_speed * liquid_.sound_speed;
+  LiquidState arriving;
+  for (std::size_t k = 0; k < inlets_.size(); ++k) {
+    const Inlet& inlet = inlets_[k];
+    if (!(inlet.due(seen[k].layers) <= std::min(due, inlet.end()))) continue;
+    const std::uint64_t came = came_in(seen);
+    if (first + came + inlet.site.size() >= Neighbour::most)
+      throw Error(ErrorCode::scene,
+                  "more than " + std::to_string(Neighbour::most - 1) + " particles of the liquid",
+                  "sph.inlets", "give the inlet '" + inlet.of.name + "' an end, or a larger sph.spacing");
+    const dem::BodyPose piston = inlet.pose(time, ++seen[k].layers);
+    for (std::size_t i = 0; i < inlet.site.size(); ++i) {
+      const Vec3d x = piston.p + piston.R * (inlet.site[i] + Vec3d{0, 0, 0.5 * inlet.thickness}),
+                  v = piston.R * Vec3d{0, 0, inlet.of.speed()};
+      const double compression =
+          compression_at(std::max(0.0, probe.pressure_at(x) / stiffness));
+      arriving.position.push_back(x);
+      arriving.velocity.push_back(v);
+      arriving.compression.push_back(compression);
+      id.push_back(first + static_cast<std::uint32_t>(came + i));
+      brought.momentum += liquid_.mass() * v;
+      brought.came += energy_of(liquid_, v, compression);
+    }
+    seen[k].particles += inlet.site.size();
+  }
+  place_pistons(time, seen, poses);
+  if (arriving.size() > 0) engine.exchange({}, arriving, poses);
+  return brought;
+}
+
+std::size_t Traffic::to_come(double end_time) const {
+  std::size_t sum = 0;
+  for (const Inlet& inlet : inlets_)
+    sum += static_cast<std::size_t>(inlet.layers_until(end_time)) * inlet.site.size();
+  return sum;
+}
+
+void Traffic::report(const std::vector<Seen>& seen, protocol::SphFacts& facts,
+                     nlohmann::ordered_json& others) const {
+  if (!any()) return;
+  std::uint64_t out = 0;
+  others["inlets"] = others["outlets"] = nlohmann::ordered_json::object();
+  const auto of = [&](const Seen& s) -> nlohmann::ordered_json {
+    return {{"particles", s.particles}, {"mass_kg", static_cast<double>(s.particles) * liquid_.mass()}};
+  };
+  for (std::size_t k = 0; k < inlets_.size(); ++k) others["inlets"][inlets_[k].of.name] = of(seen[k]);
+  for (std::size_t k = 0; k < outlets_.size(); ++k) {
+    const Seen& s = seen[inlets_.size() + k];
+    out += s.particles;
+    others["outlets"][outlets_[k].name] = of(s);
+  }
+  facts.came_in = came_in(seen);
+  facts.went_out = out;
+}
+
+}  // namespace tandem::sph

@@ -1,0 +1,101 @@
+#include "sph_server/io/open_faces.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "common/error.hpp"
+#include "common/scene/fault.hpp"
+#include "particles/geometry/touch_facet.hpp"
+#include "particles/serving/boundary.hpp"
+#include "sph_server/neighbours/walls.hpp"
+
+namespace tandem::sph {
+namespace {
+
+// Faces that a box or a cylinder leaves open, and half its size.
+struct Opened {
+  std::vector<std::string> faces;
+  Vec3d half;  // [m]
+};
+Opened opened(const decltype(scene::Wall::shape)& shape) {
+  if (const auto* box = std::get_if<scene::BoxShape>(&shape)) return {box->open, 0.5 * box->size};
+  if (const auto* cylinder = std::get_if<scene::CylinderShape>(&shape))
+    return {cylinder->open, {0, 0, 0.5 * cylinder->height.value()}};
+  return {};
+}
+
+// Calls each(x) at points of a triangle that are less than `apart` from each other.
+template <class Each>
+void for_points(Vec3d a, Vec3d b, Vec3d c, double apart, Each each) {
+  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+  const int n = std::max(1, static_cast<int>(std::ceil(longest / apart)));
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) each(a + ((i + 1.0 / 3) / n) * (b - a) + ((j + 1.0 / 3) / n) * (c - a));
+}
+
+bool is_near(const Walls& walls, Vec3d x, double distance) {
+  NearWalls near;
+  walls.find(x, distance, near);
+  for (int k = 0; k < near.count; ++k) {
+    const NearFacet& f = near.facet[k];
+    dem::WallContact contact;
+    if (dem::touch_triangle({f.a, f.b, f.c, f.normal}, x, distance, contact)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::string> open_faces(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
+                                    const std::vector<FilledInside>& insides, const LiquidSetup& setup,
+                                    const std::vector<dem::BodyPose>& poses) {
+  std::vector<std::string> sentences;
+  if (insides.empty()) return sentences;
+  const scene::Sph& sph = scene.sph.value();
+  const Vec3d up = -1.0 / norm(scene.gravity) * scene.gravity;
+  Walls walls(setup.walls, setup.liquid.support());
+  for (std::uint32_t b = 0; b < walls.bodies(); ++b) walls.set_pose(b, poses[b]);
+  for (const FilledInside& filled : insides) {
+    const auto& fill = std::get<scene::LiquidInside>(sph.liquids.front().fill[filled.fill]);
+    const scene::Wall& wall = *std::ranges::find(sph.walls, fill.wall, &scene::Wall::name);
+    const auto [faces, half] = opened(wall.shape);
+    if (faces.empty()) continue;
+    const dem::BodyPose body = dem::pose_at_start(wall.body, scene);
+    const TriangleMesh whole = whole_mesh_of(wall, sph, meshes);  // in the frame of the body
+    double low = std::numeric_limits<double>::infinity();
+    for (const Vec3d& v : filled.region.vertices) low = std::min(low, dot(v, up));
+    for (const std::string& face : faces) {
+      const int axis = face[1] - 'x';
+      Vec3d outwards;
+      outwards[axis] = face[0] == '+' ? 1 : -1;
+      const Vec3d normal = wall.pose.q_WB.rotate(outwards);
+      const double height = dot(wall.pose.p_WB, normal) + half[axis];
+      std::optional<Vec3d> gap;
+      for (const auto& t : whole.triangles) {
+        Vec3d corner[3];
+        bool in_face = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+          corner[k] = whole.vertices[t[k]];
+          in_face = in_face && std::fabs(dot(corner[k], normal) - height) < 1e-9 * (1 + half[axis]);
+          corner[k] = body.p + body.R * corner[k];
+        }
+        if (!in_face) continue;
+        for_points(corner[0], corner[1], corner[2], sph.spacing, [&](Vec3d x) {
+          if (!gap && dot(x, up) < low + filled.depth && !is_near(walls, x, 0.5 * sph.spacing)) gap = x;
+        });
+      }
+      if (gap)
+        sentences.push_back(fmt::format(
+            "{}: wall '{}' is open at {} below the level, and no wall is within half a spacing of {} m: the "
+            "liquid flows out there. Close the face, give a lower level, or put a wall there",
+            place_of_fill(filled.fill), wall.name, face, scene::rounded(*gap)));
+    }
+  }
+  return sentences;
+}
+
+}  // namespace tandem::sph
