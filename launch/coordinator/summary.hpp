@@ -2,9 +2,11 @@
 // and at its end of any kind. Keys are only ever added. docs/verdict.md lists the values of `status`.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/error.hpp"
@@ -56,6 +58,10 @@ class Summary {
   void set_walls(const WallWatch& watch);
   // Programs that did not end well after their reports.
   void set_leaving(const std::vector<Participants::Leaving>& complaints);
+
+  // What the coordinator itself writes into the object "sph", beside the facts of the solver.
+  static constexpr std::array<std::string_view, 4> own_keys_of_liquid{
+      "micro_steps", "largest_micro_step_s", "momentum_balance", "momentum_balance_windows"};
 
   // Sets the final status from the figures. At the end of the scene: `ok` or `suspect` by the verdict,
   // `failed` if a check failed. With `strict` a suspect run has exit status 1.
