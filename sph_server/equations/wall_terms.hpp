@@ -83,7 +83,7 @@ TANDEM_HD inline double norm(const Mat3d& A) {
 // Share of M that is taken: all of it in a liquid. Spray has no neighbours that would represent a gradient;
 // behind it ghosts have its pressure. In tips and slots with hardly a neighbour I + M would be nearly
 // singular: there the spectral radius of M is bounded, so that no acceleration grows more than tenfold.
-// neighbours, filled: parts of the kernel that neighbours fill, and that everything fills [-].
+// neighbours: part of the kernel that neighbours fill [-]; filled: filled_room() [-].
 TANDEM_HD inline double ghost_share(double neighbours, double filled, const Mat3d& missing) {
   constexpr double one_neighbour = 0.05, most = 0.9;
   double share = tension_share(filled);

@@ -47,7 +47,7 @@ struct Advance {
   TANDEM_HD void update_state(std::uint32_t i) const {
     const Liquid& l = properties;
     const double e = liquid.compression[i],
-                 pressure = borne(elastic_pressure(l, e) + bulk_pressure(l, e, liquid.rate[1][i]),
+                 pressure = borne(l, elastic_pressure(l, e) + bulk_pressure(l, e, liquid.rate[1][i]),
                                   tension_share(static_cast<double>(liquid.filled[i])));
     liquid.state[i].pressure = static_cast<Real>(packing_pressure > 0 ? packing_pressure : pressure);
     liquid.state[i].volume = static_cast<Real>(l.mass() / (l.density * (1 + e)));

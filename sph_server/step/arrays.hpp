@@ -28,7 +28,7 @@ struct LiquidArrays {
   Vec3d* acceleration[2]{};                       // of this step and of the one before [m/s2] (count)
   double* rate[2]{};                              // of the compression, likewise [1/s] (count)
   Vec3<Real>* slope = nullptr;                    // gradient of the pressure, in this step [Pa/m] (count)
-  float* filled = nullptr;                        // part of the kernel, in this step [-] (count)
+  float* filled = nullptr;                        // filled_room(), in this step [-] (count)
   Vec3<Real>* shift = nullptr;                    // velocity of the shift [m/s] (count), or null
   const std::uint32_t* start = nullptr;           // see NeighbourList (count + 1)
   const Neighbour* neighbour = nullptr;

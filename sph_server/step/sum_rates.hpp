@@ -31,15 +31,15 @@ struct SumRates {
                  pressure = static_cast<double>(liquid.state[i].pressure),
                  volume = static_cast<double>(liquid.state[i].volume);
     const auto neighbours = static_cast<double>(sum.filled);
-    double filled = neighbours + volume * static_cast<double>(pairs.pair.kernel.peak);
+    const double own = volume * static_cast<double>(pairs.pair.kernel.peak);
     WallSums wall;
     if (walls.walls.bodies > 0) {
-      wall = walls(i, by_pressure, neighbours, filled, tally, bodies);
-      filled += wall.shadow;
+      wall = walls(i, by_pressure, neighbours, own, tally, bodies);
       for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
       viscous += wall.viscous;
       by_pressure = of(sum.acceleration) - viscous - wall.repelled;
     }
+    const double filled = filled_room(neighbours, own, wall.shadow);
     const double by_motion = dem::from_fixed(sum.continuity + wall.continuity, quanta.rate),
                  by_diffusion = dem::from_fixed(sum.diffusion, quanta.rate);
     const double by_closing = closing_rate(properties, compression, tension_share(filled));
@@ -60,7 +60,9 @@ struct SumRates {
     liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion + by_closing;
     liquid.filled[i] = static_cast<float>(filled);
     liquid.slope[i] = (-properties.density * by_pressure).template as<Real>();
-    if constexpr (shifting) liquid.shift[i] = shift_velocity(properties, sum.crowding, wall.surface, filled);
+    if constexpr (shifting)
+      liquid.shift[i] =
+          shift_velocity(properties, sum.crowding, wall.surface, neighbours + own + wall.shadow);
   }
 
  private:

@@ -77,11 +77,11 @@ struct SumWalls {
     bool seen;
   };
 
-  // pressed: acceleration of the particle by the pressure of its neighbours [m/s2]; neighbours, filled: parts
-  // of the kernel that they fill, and that they and the particle fill [-]. bodies: sums of the thread.
+  // pressed: acceleration of the particle by the pressure of its neighbours [m/s2]; neighbours, own: parts
+  // of the kernel that they and the particle fill [-]. bodies: sums of the thread.
   template <class Bodies>
-  TANDEM_HD WallSums operator()(std::uint32_t i, Vec3d pressed, double neighbours, double filled,
-                                Tally& tally, Bodies& bodies) const {
+  TANDEM_HD WallSums operator()(std::uint32_t i, Vec3d pressed, double neighbours, double own, Tally& tally,
+                                Bodies& bodies) const {
     WallSums sum;
     const dem::FinePart<Real> fine = liquid.fine_part(i);
     const Particle p{
@@ -124,7 +124,8 @@ struct SumWalls {
       }
     }
     tally.crowded_by_facets += overflow ? 1 : 0;
-    const double share = continued ? ghost_share(neighbours, filled + sum.shadow, missing) : 0;
+    const double share =
+        continued ? ghost_share(neighbours, filled_room(neighbours, own, sum.shadow), missing) : 0;
     Mat3d represented = Mat3d::identity();
     for (int a = 0; a < 3; ++a) represented.row[a] += share * missing.row[a];
     const Vec3d by_pressure = share * solved(represented, pressed);

@@ -51,16 +51,22 @@ TEST(PairTerms, AreAntisymmetricToTheBitAndConjugate) {
 }
 
 TEST(Spray, BearsNoTensionAndReturnsToRest) {
-  EXPECT_EQ(tension_share(0.124), 0) << "a particle alone";
-  EXPECT_EQ(tension_share(0.74), 1) << "a free surface";
-  EXPECT_NEAR(tension_share(0.525), 0.5, 1e-12);
-  EXPECT_EQ(borne(-100, 0.25), -25);
-  EXPECT_EQ(borne(100, 0.25), 100) << "pressure is borne by all";
+  constexpr double own = 0.12;
+  for (const double shadow : {0.0, 0.45, 0.9})
+    EXPECT_EQ(tension_share(filled_room(0, own, shadow)), 0) << "a particle alone, also beside walls";
+  EXPECT_EQ(tension_share(filled_room(0.12, own, 0.4)), 0) << "a row that leaves a wall";
+  EXPECT_EQ(tension_share(filled_room(0.62, own, 0)), 1) << "a free surface";
+  EXPECT_NEAR(filled_room(0.38, own, 0.5), 1, 1e-12) << "a liquid at a wall";
+  EXPECT_NEAR(tension_share(0.46), 0.5, 1e-12);
   Liquid l;
   l.sound_speed = 30;
   l.spacing = 0.01;
+  EXPECT_EQ(borne(l, -100, 0.25), -25);
+  EXPECT_EQ(borne(l, 100, 0.25), 100) << "pressure is borne by all";
+  EXPECT_NEAR(borne(l, -1e6, 1), -0.5 * 1000 * 3 * 3, 1e-9) << "the stagnation pressure at Mach 0.1";
   EXPECT_NEAR(closing_rate(l, -0.02, 0), 0.02 * 30 / (4 * 0.015), 1e-12);
-  EXPECT_EQ(closing_rate(l, -0.02, 1), 0);
+  EXPECT_EQ(closing_rate(l, -0.004, 1), 0);
+  EXPECT_NEAR(closing_rate(l, -0.02, 1), 0.015 * 30 / (4 * 0.015), 1e-12) << "cavitates";
   EXPECT_EQ(closing_rate(l, 0.02, 0), 0);
 }
 
