@@ -12,16 +12,18 @@ constexpr double inlet_edge_tolerance = 1e-6;
 
 void require_edge(double edge, double spacing, const std::string& origin, const std::string& path) {
   const double count = edge / spacing;
-  if (std::round(count) >= 1 && std::abs(count - std::round(count)) <= inlet_edge_tolerance * std::fmax(1, count))
+  if (std::round(count) >= 1 &&
+      std::abs(count - std::round(count)) <= inlet_edge_tolerance * std::fmax(1, count))
     return;
   const double fewer = std::fmax(1, std::floor(count));
-  fail(origin, path, "the inlet is " + text(edge) + " m wide, which is " + rounded(count) + " times sph.spacing",
+  fail(origin, path,
+       "the inlet is " + text(edge) + " m wide, which is " + rounded(count) + " times sph.spacing",
        "particles are cubes of one spacing: give " + rounded(fewer * spacing) + " or " +
            rounded((fewer + 1) * spacing));
 }
 
 void validate_liquid_inlet(const LiquidInlet& inlet, const Scene& scene, const std::string& origin,
-                    const std::string& path) {
+                           const std::string& path) {
   const Sph& sph = *scene.sph;
   require_unit(inlet.pose.q_WB, origin, path + ".orientation");
   Vec3d half;  // of a box around it, in its own axes
@@ -50,8 +52,8 @@ void validate_liquid_inlet(const LiquidInlet& inlet, const Scene& scene, const s
              "enlarge sph.domain or move the inlet");
   }
   if (inlet.end && *inlet.end <= inlet.start)
-    fail(origin, path + ".end", "the inlet ends at " + text(*inlet.end) + " s, and starts at " +
-                                    text(inlet.start) + " s",
+    fail(origin, path + ".end",
+         "the inlet ends at " + text(*inlet.end) + " s, and starts at " + text(inlet.start) + " s",
          "give a later end");
   if (const std::optional<double> c = sph.liquids.front().sound_speed; c && inlet.speed() > 0.1 * *c)
     fail(origin, path,
@@ -100,8 +102,8 @@ void validate_liquid_traffic(const Scene& scene, const std::string& origin) {
            "move it into the domain");
   }
   if (sph.liquids.front().fill.empty() && sph.inlets.empty())
-    fail(origin, element("sph.liquids", 0) + ".fill", "there is no liquid: nothing is filled, and no inlet brings any",
-         "give a fill or an inlet");
+    fail(origin, element("sph.liquids", 0) + ".fill",
+         "there is no liquid: nothing is filled, and no inlet brings any", "give a fill or an inlet");
 }
 
 }  // namespace tandem::scene

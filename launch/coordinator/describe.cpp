@@ -410,6 +410,10 @@ std::string describe_sph(const SceneFile& file, const DryRun* started) {
     for (const auto& fill : liquid.fill)
       liquids.add({liquid.name, fmt::format("{:.6g}", liquid.density),
                    fmt::format("{:.6g}", liquid.viscosity), fill_of_liquid(fill)});
+  for (const Liquid& liquid : sph.liquids)
+    if (liquid.fill.empty())
+      liquids.add({liquid.name, fmt::format("{:.6g}", liquid.density),
+                   fmt::format("{:.6g}", liquid.viscosity), "none at the start"});
   Table sensors("sensors of the liquid", {"name", "type", "body", "place [m]"});
   for (const LiquidSensor& sensor : sph.sensors)
     sensors.add({sensor.name, kind_of(sensor.kind),

@@ -38,7 +38,8 @@ Traffic::Traffic(const scene::Sph& sph, std::vector<Inlet> inlets, const LiquidS
 
 bool Traffic::is_possible(const std::vector<Seen>& seen) const {
   for (std::size_t k = 0; k < seen.size(); ++k)
-    if (k < inlets_.size() ? seen[k].particles != seen[k].layers * inlets_[k].site.size() : seen[k].layers != 0)
+    if (k < inlets_.size() ? seen[k].particles != seen[k].layers * inlets_[k].site.size()
+                           : seen[k].layers != 0)
       return false;
   return came_in(seen) < Neighbour::most;
 }
@@ -58,7 +59,8 @@ void Traffic::place_pistons(double time, const std::vector<Seen>& seen,
 double Traffic::next(const std::vector<Seen>& seen) const {
   double next = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < inlets_.size(); ++k)
-    if (const double due = inlets_[k].due(seen[k].layers); due <= inlets_[k].end()) next = std::min(next, due);
+    if (const double due = inlets_[k].due(seen[k].layers); due <= inlets_[k].end())
+      next = std::min(next, due);
   return next;
 }
 
@@ -107,8 +109,7 @@ Traffic::Brought Traffic::feed(LiquidEngine& engine, double time, double due, st
     for (std::size_t i = 0; i < inlet.site.size(); ++i) {
       const Vec3d x = piston.p + piston.R * (inlet.site[i] + Vec3d{0, 0, 0.5 * inlet.thickness}),
                   v = piston.R * Vec3d{0, 0, inlet.of.speed()};
-      const double compression =
-          compression_at(std::max(0.0, probe.pressure_at(x) / stiffness));
+      const double compression = compression_at(std::max(0.0, probe.pressure_at(x) / stiffness));
       arriving.position.push_back(x);
       arriving.velocity.push_back(v);
       arriving.compression.push_back(compression);

@@ -22,8 +22,8 @@ class Traffic {
   };
   // What an exchange of particles brought, less what it took away.
   struct Brought {
-    Vec3d momentum;               // [kg m/s]
-    double came = 0, went = 0;    // energy, kinetic and of compression [J]
+    Vec3d momentum;             // [kg m/s]
+    double came = 0, went = 0;  // energy, kinetic and of compression [J]
   };
 
   Traffic() = default;
@@ -40,8 +40,8 @@ class Traffic {
   double next(const std::vector<Seen>& seen) const;
   // Takes the particles in outlets out. `id`: of the particles.
   Brought drain(LiquidEngine& engine, std::vector<std::uint32_t>& id, std::vector<Seen>& seen) const;
-  // Brings in the layers that are due by `due` [s], at the time [s]. `first`: id of the first particle that comes
-  // in through an inlet.
+  // Brings in the layers that are due by `due` [s], at the time [s]. `first`: id of the first particle that
+  // comes in through an inlet.
   Brought feed(LiquidEngine& engine, double time, double due, std::uint32_t first,
                std::vector<std::uint32_t>& id, std::vector<Seen>& seen);
 

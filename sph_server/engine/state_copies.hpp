@@ -44,8 +44,8 @@ void LiquidEngineOf<Real, shifting>::read(const Source& source, std::size_t part
     const std::vector<std::byte> bytes = source(name);
     if (bytes.size() != size)
       throw Error(ErrorCode::resource,
-                  "its array '" + std::string(name) + "' has " + std::to_string(bytes.size()) + " bytes",
-                  {}, "continue from another checkpoint");
+                  "its array '" + std::string(name) + "' has " + std::to_string(bytes.size()) + " bytes", {},
+                  "continue from another checkpoint");
     assign(bytes, array);
   });
   // The lists are those of the positions and poses when they were built.

@@ -9,8 +9,8 @@
 
 namespace tandem::sph {
 
-// A sentence for each face that a filled box or cylinder leaves open below the level, where no other wall closes
-// it. `poses`: of the walls of `setup`.
+// A sentence for each face that a filled box or cylinder leaves open below the level, where no other wall
+// closes it. `poses`: of the walls of `setup`.
 std::vector<std::string> open_faces(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
                                     const std::vector<FilledInside>& insides, const LiquidSetup& setup,
                                     const std::vector<dem::BodyPose>& poses);

@@ -32,14 +32,26 @@ TANDEM_HD inline void limit_to(const Triangle& t, Vec3d origin, Vec3d direction,
   }
 }
 
+// Has the triangle a corner on that side of the plane of `other` where x is? One that ends at the plane has
+// not: the floor behind a sheet is no wall of the liquid in front of it.
+TANDEM_HD inline bool reaches_to_side_of(const Triangle& t, const Triangle& other, Vec3d x,
+                                         double tolerance) {
+  const double side = dot(x - other.corner[0], other.normal) < 0 ? -1 : 1;
+  for (const Vec3d& corner : t.corner)
+    if (side * dot(corner - other.corner[0], other.normal) > tolerance) return true;
+  return false;
+}
+
 // The strip of the plane of `f` that continues beyond `g`, seen from x, along the line where both facets are:
 // four corners, counter-clockwise about the normal of `f`. False where they do not meet within
-// `tolerance` [m], or are nearly parallel. width: of the strip [m].
+// `tolerance` [m], where one of them ends at the other on the far side from x, or where they are nearly
+// parallel. width: of the strip [m].
 TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x, double width,
                                    double tolerance, Vec3d* strip) {
   const Vec3d across = cross(f.normal, g.normal);
   const double sine = norm(across);
   if (sine < 0.1) return false;
+  if (!reaches_to_side_of(f, g, x, 1e-3 * width) || !reaches_to_side_of(g, f, x, 1e-3 * width)) return false;
   const Vec3d along = (1 / sine) * across;
   // The point of both planes that is nearest to x.
   const double to_f = dot(f.corner[0] - x, f.normal), to_g = dot(g.corner[0] - x, g.normal),

@@ -22,6 +22,9 @@ namespace tandem::sph {
 // Facets of two bodies meet where the gap between them is below this [spacings].
 inline constexpr double edge_gap = 0.25;
 
+// The part of the kernel's surface integral over a plane below which a facet is a sliver [-].
+inline constexpr double sliver = 1e-5;
+
 // Sums of one body's walls, in quanta: of mass times acceleration, and of torque about the body's origin.
 struct BodySum {
   std::int64_t acceleration[3]{};
@@ -188,10 +191,14 @@ struct SumWalls {
   template <class Bodies>
   TANDEM_HD void add_common_edges(const Particle& p, const NearWalls& near, const SeenFacet* facet,
                                   Vec3d by_pressure, Tally& tally, Bodies& bodies) const {
+    // Rounding leaves slivers of hidden facets in sight, such as of the back of a plate.
+    const auto in_sight = [&](int k) {
+      return facet[k].seen && std::fabs(facet[k].integrals.surface) * kernel.R > sliver;
+    };
     for (int k = 0; k < near.count; ++k)
       for (int other = 0; other < near.count; ++other) {
         const NearFacet &f = near.facet[k], &g = near.facet[other];
-        if (f.body == g.body || !facet[k].seen || !facet[other].seen) continue;
+        if (f.body == g.body || !in_sight(k) || !in_sight(other)) continue;
         Vec3d strip[4];
         if (!strip_beyond({{f.a, f.b, f.c}, f.normal}, {{g.a, g.b, g.c}, g.normal}, p.x, 2 * kernel.R,
                           edge_gap * spacing, strip))

@@ -160,6 +160,53 @@ class Liquid(Case):
             self.assertRegex(said, "before, the density of the liquid was off by|the liquid flies apart")
             self.assertIn("larger sound_speed", said)
 
+    def channel(self):
+        """Liquid comes in at one end of a channel that is empty at the start, and goes out farther on."""
+        scene = {
+            "tandem": "1.1", "name": "channel", "end_time": 0.3, "coupling": {"window": 0.005},
+            "sph": {
+                "spacing": 0.01,
+                "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "artificial_viscosity": 0.1, "expected_speed": 1.2,
+                             "fill": []}],
+                "wall_friction": "free_slip",
+                "walls": [{"name": "channel", "position": [0.1, 0, 0.02],
+                           "shape": {"type": "box", "size": [0.2, 0.04, 0.04], "open": ["+x", "-x"]}}],
+                "inlets": [{"name": "pipe", "position": [0, 0, 0.02], "orientation": {"axis": [0, 1, 0], "angle_deg": 90},
+                            "shape": {"type": "rectangle", "size": [0.04, 0.04]}, "flow": 8e-4}],
+                "outlets": [{"name": "drain", "region": {"type": "plane", "point": [0.06, 0, 0], "normal": [1, 0, 0]}}],
+                "sensors": [{"type": "region", "name": "gate", "position": [0.03, 0, 0.02],
+                             "shape": {"type": "box", "size": [0.02, 0.04, 0.06]}, "flow": "x"}],
+                "domain": {"min": [-0.05, -0.1, -0.1], "max": [0.4, 0.1, 0.1]}},
+            "output": {"frame_interval": 0.1},
+            "checks": [{"name": "mass that came in [kg]", "of": "summary.sph.inlets.pipe.mass_kg", "expected": 0.24, "tolerance": 0.07,
+                        "why": "0.8 kg/s over 0.3 s, in layers of 0.016 kg"}]}
+        path = self.folder / "channel.json"
+        path.write_text(json.dumps(scene))
+        return path
+
+    def test_liquid_comes_in_and_goes_out(self):
+        scene = self.channel()
+        self.run_scene(scene, "--threads", "1")
+        whole = self.summary()
+        sph = whole["sph"]
+        self.assertEqual((whole["status"], sph["particles"], sph["passed_walls"]), ("ok", 0, 0))
+        self.assertEqual(sph["inlets"]["pipe"]["particles"], sph["came_in"])
+        self.assertEqual(sph["outlets"]["drain"]["particles"], sph["went_out"])
+        self.assertGreater(sph["went_out"], 0)
+        rows = [line.split(",") for line in (self.out / "sensors.csv").read_text().splitlines()]
+        last = dict(zip(rows[0], map(float, rows[-1])))
+        print(f"\n  mass [kg]: came in {sph['inlets']['pipe']['mass_kg']:.4g}, passed the gate {last['gate.passed']:.4g}, "
+              f"went out {sph['outlets']['drain']['mass_kg']:.4g}; momentum {sph['momentum_balance']:.2g}")
+        self.assertLess(sph["momentum_balance"], 1e-12)
+        # The gate is half way between inlet and outlet.
+        middle = 0.5 * (sph["inlets"]["pipe"]["mass_kg"] + sph["outlets"]["drain"]["mass_kg"])
+        self.assertAlmostEqual(last["gate.passed"], middle, delta=0.02)
+        self.run_scene(scene, "--threads", "1", "--end-time", "0.2", "--checkpoint-every", "0.1")
+        begun = self.out.rename(self.folder / "begun")
+        self.run_scene(scene, "--threads", "1", "--restart", str(begun))
+        self.assertEqual(self.summary()["state_hash"], whole["state_hash"])
+        self.assertEqual(self.summary()["sph"]["outlets"], sph["outlets"])
+
     def test_grains_and_liquid(self):
         scene = self.with_grains()
         said = subprocess.run([harness.options.bin / "tandem", "validate", scene], capture_output=True, text=True)

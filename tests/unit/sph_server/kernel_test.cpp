@@ -169,6 +169,14 @@ TEST(CommonEdge, ContinuesTheFloorBehindTheSheet) {
   EXPECT_FALSE(strip_beyond(above, floor, x, 0.6, 0.05, strip));
   EXPECT_TRUE(strip_beyond(above, floor, x, 0.6, 0.15, strip));
   EXPECT_FALSE(strip_beyond(beside, floor, x, 0.6, 0.05, strip));
+  // Two floors that end at the sheet: the one behind it is no wall of what is in front.
+  const Triangle front{{{0, -9, 0}, {4, 0, 0}, {0, 9, 0}}, {0, 0, 1}},
+      behind{{{-4, 0, 0}, {0, -9, 0}, {0, 9, 0}}, {0, 0, 1}};
+  EXPECT_TRUE(strip_beyond(front, sheet, x, 0.6, 1e-6, strip));
+  EXPECT_FALSE(strip_beyond(behind, sheet, x, 0.6, 1e-6, strip));
+  EXPECT_FALSE(strip_beyond(sheet, behind, x, 0.6, 1e-6, strip) &&
+               strip_beyond(sheet, front, x, 0.6, 1e-6, strip))
+      << "the sheet continues below the floor once";
 }
 
 // The integral over the shadow of (y - x) (y - x)^T times -(dW/dr)/r is symmetric and has positive

@@ -134,8 +134,8 @@ TEST(Inlet, RaisesABasin) {
   nlohmann::json scene = channel();
   scene["gravity"] = {0, 0, -9.81};
   scene["sph"]["outlets"] = nlohmann::json::array();
-  scene["sph"]["liquids"][0]["fill"] = nlohmann::json::parse(
-      R"([{"type": "box", "min": [0, -0.02, 0], "max": [0.04, 0.02, 0.04]}])");
+  scene["sph"]["liquids"][0]["fill"] =
+      nlohmann::json::parse(R"([{"type": "box", "min": [0, -0.02, 0], "max": [0.04, 0.02, 0.04]}])");
   scene["sph"]["walls"][0]["shape"]["open"] = {"-x"};
   scene["sph"]["walls"][0]["position"] = {0.05, 0, 0.02};
   scene["sph"]["walls"][0]["shape"]["size"] = {0.1, 0.04, 0.04};
