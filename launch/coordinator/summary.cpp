@@ -13,6 +13,7 @@
 #include "common/scene/sensor_columns.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
+#include "launch/coordinator/geometry_review.hpp"
 #include "launch/results/reduction.hpp"
 #include "protocol/version.hpp"
 
