@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "common/state_file.hpp"
 #include "sph_server/coupling/load_solver.hpp"
+#include "sph_server/neighbours/neighbour.hpp"
 
 namespace tandem::sph {
 namespace {
