@@ -20,7 +20,7 @@ struct NormalForce {
 NormalForce normal_force(const ContactLaw& law, double depth, double gap_rate, double entry_rate,
                          double mass) {
   if (!(depth > 0)) return {};
-  const double n = power_of(law), elastic = law.stiffness * std::pow(depth, n);
+  const double n = power_of(law), elastic = law.stiffness * depth * (law.hertz ? std::sqrt(depth) : 1);
   double c = 0, by_depth = 0;  // of c
   if (law.damping_number > 0) {
     const double deep = share * std::sqrt(2 * normal_energy(law, depth) / mass);
@@ -66,8 +66,8 @@ Matrix6d turning_matrix(const Vector6d& V) {
 }  // namespace
 
 double normal_energy(const ContactLaw& law, double depth) {
-  const double n = power_of(law);
-  return depth > 0 ? law.stiffness * std::pow(depth, n + 1) / (n + 1) : 0;
+  if (!(depth > 0)) return 0;
+  return law.stiffness * depth * depth * (law.hertz ? std::sqrt(depth) / 2.5 : 0.5);
 }
 
 double impact_depth(const ContactLaw& law, double mass, double rate) {
@@ -134,6 +134,7 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   const ContactLaw law = model.contact.law(feature.a, feature.b);
   const Touch t = touch(model, feature, links, derivatives);
   ContactForce f;
+  if (derivatives == Derivatives::with) f.by_a.setZero(), f.by_b.setZero(), f.by_velocity.setZero();
   f.p = t.p, f.n = t.n, f.gap = t.gap;
   const Vector3d &n = f.n, &p = f.p;
   const Vector6d V = b.V - a.V;

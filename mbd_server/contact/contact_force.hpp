@@ -38,8 +38,8 @@ struct ContactForce {
   bool rolls = false;                    // the moment is mu_r R* N
   double power() const { return force.dot(velocity) + torque.dot(rolling); }  // on both links [W]
   // Change of the wrench on b in the world per displacement of a and of b, and per velocity of b relative to
-  // a.
-  Matrix6d by_a = Matrix6d::Zero(), by_b = by_a, by_velocity = by_a;
+  // a. Not set without derivatives.
+  Matrix6d by_a, by_b, by_velocity;
 };
 
 // Feature of a point in contact, a column of State::contacts, and the reverse.
@@ -47,7 +47,6 @@ using ContactColumn = Eigen::Matrix<double, ContactRow::count, 1>;
 ContactFeature feature_of(const ContactColumn& column);
 void set_feature(const ContactFeature& feature, Eigen::Ref<ContactColumn> column);
 
-// Without derivatives, by_a, by_b and by_velocity are zero.
 ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
                       Derivatives derivatives = Derivatives::with);
 

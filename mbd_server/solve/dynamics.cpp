@@ -107,14 +107,12 @@ void Dynamics::apply(LinkIndex link, const Vector3d& p, const Vector3d& force, c
   applied_[link].bottomLeftCorner<3, 3>() += skew(force);
 }
 
-// A wrench that is constant in the world: less its rotation with the link, it changes by -psi x* wrench.
+// A wrench that is constant in the world.
 void Dynamics::apply(LinkIndex link, const Vector6d& wrench) {
   if (link == 0) return;
   mark_applied(link);
   loads_[link].F -= wrench;
-  applied_[link].topLeftCorner<3, 3>() += skew(wrench.head<3>());
-  applied_[link].topRightCorner<3, 3>() += skew(wrench.tail<3>());
-  applied_[link].bottomLeftCorner<3, 3>() += skew(wrench.tail<3>());
+  applied_[link] += rotation_of(wrench);
 }
 
 void Dynamics::apply_loads(const State& state) {
@@ -224,42 +222,27 @@ void Dynamics::apply_closures(const State& state) {
   }
 }
 
-// The wrench has no direction of its own: its whole change is in the derivatives.
+// The derivatives, which take several times longer than the forces, follow in linearise_contacts().
 void Dynamics::apply_contacts(const State& state) {
   if (model_.contact.empty()) return;
-  contacts_.clear(), moving_contacts_.clear();
-  const auto links_of = [&](Eigen::Index k) {
-    return std::pair{model_.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_a, k))).link,
-                     model_.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_b, k))).link};
-  };
-  const auto before = [](const PairOfLinks& x, const std::pair<LinkIndex, LinkIndex>& y) {
-    return std::pair{x.a, x.b} < y;
-  };
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const auto [a, b] = std::minmax({links_of(k).first, links_of(k).second});
-    contact_order_.push_back({a, b});
-  }
-  std::sort(contact_order_.begin(), contact_order_.end());
-  contact_order_.erase(std::unique(contact_order_.begin(), contact_order_.end()), contact_order_.end());
-  for (const auto& [a, b] : contact_order_) {
-    contacts_.push_back({a, b, Matrix6d::Zero(), Matrix6d::Zero(), Matrix6d::Zero()});
-    if (a > 0) moving_contacts_.emplace_back(a, b);
-  }
-  contact_order_.clear();
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const auto [a, b] = links_of(k);
-    const ContactForce f = evaluate(model_, state.contacts.col(k), links_);
+  contacts_ = state.contacts;
+  moving_contacts_.clear();
+  for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
+    const auto [a, b] = links_of_contact(k);
+    if (a > 0 && b > 0) moving_contacts_.emplace_back(std::min(a, b), std::max(a, b));
+    const ContactForce f = evaluate(model_, contacts_.col(k), links_, Derivatives::without);
     const Vector6d wrench = wrench_at(f.p, f.force, f.torque);
-    apply(b, wrench);
-    apply(a, Vector6d(-wrench));
-    const auto at = std::lower_bound(contacts_.begin(), contacts_.end(),
-                                     std::pair{std::min(a, b), std::max(a, b)}, before);
-    // The wrench on the second of the two, per velocity of it relative to the first.
-    const double sign = a < b ? 1 : -1;
-    at->by_a += sign * (a < b ? f.by_a : f.by_b);
-    at->by_b += sign * (a < b ? f.by_b : f.by_a);
-    at->by_velocity += f.by_velocity;
+    if (b > 0) loads_[b].F -= wrench;
+    if (a > 0) loads_[a].F += wrench;
   }
+  std::sort(moving_contacts_.begin(), moving_contacts_.end());
+  moving_contacts_.erase(std::unique(moving_contacts_.begin(), moving_contacts_.end()),
+                         moving_contacts_.end());
+}
+
+std::pair<LinkIndex, LinkIndex> Dynamics::links_of_contact(Eigen::Index k) const {
+  return {model_.contact.shape(static_cast<int>(contacts_(ContactRow::shape_a, k))).link,
+          model_.contact.shape(static_cast<int>(contacts_(ContactRow::shape_b, k))).link};
 }
 
 // The rotor turns about the axis of its joint, relative to the parent; its own mass is part of the bodies.

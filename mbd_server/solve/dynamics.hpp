@@ -7,6 +7,7 @@
 // Works on buffers of fixed size: no call after the first one allocates.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "mbd_server/constraints/equations.hpp"
@@ -21,6 +22,15 @@
 #include "mbd_server/state/system.hpp"
 
 namespace tandem::mbd {
+
+// Change of a wrench that is constant in the world per displacement of the link on which it acts, less its
+// rotation with the link: -psi x* wrench.
+inline Matrix6d rotation_of(const Vector6d& wrench) {
+  Matrix6d m = Matrix6d::Zero();
+  m.topLeftCorner<3, 3>() = skew(wrench.head<3>());
+  m.topRightCorner<3, 3>() = m.bottomLeftCorner<3, 3>() = skew(wrench.tail<3>());
+  return m;
+}
 
 class Dynamics {
  public:
@@ -68,12 +78,6 @@ class Dynamics {
     bool applied = false;  // whether some load acts on it
   };
 
-  // Derivatives of the wrench of all points of a pair in contact, as in ContactForce.
-  struct PairOfLinks {
-    LinkIndex a = 0, b = 0;
-    Matrix6d by_a, by_b, by_velocity;
-  };
-
   void add_link_forces(const State& state, const VectorXd* driven);
   void add_inertia(std::size_t link);
   // Force and torque at point p of a link, of constant direction in the world.
@@ -88,9 +92,11 @@ class Dynamics {
   void add_motors(const State& state);
   void apply_closures(const State& state);
   void apply_contacts(const State& state);
+  std::pair<LinkIndex, LinkIndex> links_of_contact(Eigen::Index column) const;
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_contacts(const MatrixWeights& weights, Linearisation& out) const;
   void linearise_tension(std::size_t rope, const MatrixWeights& weights, Linearisation& out) const;
   void linearise_sizes(const MatrixWeights& weights, Linearisation& out) const;
 
@@ -106,8 +112,10 @@ class Dynamics {
   std::vector<TyreForce> tyres_;        // (tyres)
   std::vector<ElementValue> elements_;  // (elements)
   std::vector<SpringForce> cylinders_;  // valid for cylinders (elements)
-  std::vector<PairOfLinks> contacts_;   // pairs of links in contact, sorted
-  std::vector<std::pair<LinkIndex, LinkIndex>> moving_contacts_, contact_order_;
+  // Points in contact at the last residual() (ContactRow x points in contact), and their pairs of moving
+  // links, sorted.
+  decltype(State::contacts) contacts_;
+  std::vector<std::pair<LinkIndex, LinkIndex>> moving_contacts_;
   VectorXd z_, zdot_;                         // (first-order states)
   std::vector<EquationValue> equations_;      // (equations)
   VectorXd phi_[3];                           // by level (equations)

@@ -268,18 +268,7 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     on(wheel).leftCols<6>() -= weights.stiffness * tyres_[t].by_displacement;
     on(wheel).middleCols<6>(6) -= tyres_[t].by_velocity;
   }
-  int contact = out.first_contact;
-  for (const PairOfLinks& f : contacts_) {
-    // The change of the velocity of a point at rest in the world is that of V x psi besides eta: it is in
-    // by_a and by_b.
-    Form change_a = Form::Zero(), change_b = Form::Zero();
-    change_a.leftCols<6>() = weights.stiffness * f.by_a;
-    change_a.middleCols<6>(6) = -f.by_velocity;
-    change_b.leftCols<6>() = weights.stiffness * f.by_b;
-    change_b.middleCols<6>(6) = f.by_velocity;
-    place(f.a > 0 ? contact++ : none, f.a, f.b, Matrix6d::Identity(), Matrix6d::Identity(), change_a,
-          change_b, 6);
-  }
+  linearise_contacts(weights, out);
   for (std::size_t k = 0; k < model_.closures.size(); ++k) {
     const Closure& c = model_.closures[k];
     if (!c.has_geometric_stiffness()) continue;
@@ -302,6 +291,40 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
     } else {
       place(out.stiffness_connection[k], c.a, c.b, Matrix6d::Identity(), Matrix6d::Identity(), on_a, on_b, 6);
     }
+  }
+}
+
+// A force of contact has no direction of its own: its whole change is in the derivatives. The change of the
+// velocity of a point at rest in the world is that of V x psi besides eta: it is in by_a and by_b.
+void Dynamics::linearise_contacts(const MatrixWeights& weights, Linearisation& out) const {
+  for (std::size_t k = static_cast<std::size_t>(out.first_contact); k < out.blocks.size(); ++k) {
+    ConnectionBlocks& block = out.blocks[k];
+    block.C_a.setIdentity(), block.R_a.setZero(), block.R_b.setZero();
+    block.C_b = -Matrix6d::Identity();
+  }
+  if (weights.stiffness == 0 && weights.damping == 0) return;
+  for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
+    const auto [a, b] = links_of_contact(k);
+    const ContactForce f = evaluate(model_, contacts_.col(k), links_);
+    const Matrix6d turning = weights.stiffness * rotation_of(wrench_at(f.p, f.force, f.torque));
+    if (b > 0) out.grounded[out.grounded_of[b]].leftCols<6>() -= turning;
+    if (a > 0) out.grounded[out.grounded_of[a]].leftCols<6>() += turning;
+    if (a == 0 || b == 0) {
+      Matrix6x18d& K = out.grounded[out.grounded_of[a + b]];
+      K.leftCols<6>() += weights.stiffness * (a == 0 ? Matrix6d(-f.by_b) : f.by_a);
+      K.middleCols<6>(6) -= f.by_velocity;
+      continue;
+    }
+    // The connection has the change of the wrench on the second link of the two.
+    const auto pair = std::lower_bound(moving_contacts_.begin(), moving_contacts_.end(),
+                                       std::pair{std::min(a, b), std::max(a, b)});
+    ConnectionBlocks& block =
+        out.blocks[static_cast<std::size_t>(out.first_contact + (pair - moving_contacts_.begin()))];
+    const double on_second = a < b ? weights.stiffness : -weights.stiffness;
+    block.R_a.leftCols<6>() += on_second * (a < b ? f.by_a : f.by_b);
+    block.R_b.leftCols<6>() += on_second * (a < b ? f.by_b : f.by_a);
+    block.R_a.middleCols<6>(6) -= f.by_velocity;
+    block.R_b.middleCols<6>(6) += f.by_velocity;
   }
 }
 

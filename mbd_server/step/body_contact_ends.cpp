@@ -13,6 +13,9 @@ constexpr double least_vibration = 1e-6;
 // An impact of much damping loses most of its rate in a part of this share of its duration: steps there are
 // shorter.
 constexpr double sudden = 0.125;
+// The steps of an impact grow as its rate falls below that of a fall through a share of the size of the body:
+// to this many times, from that multiple of the energy of a faint impact.
+constexpr double coarsest = 4, coarser_from = 1e3;
 // Impacts that end again last one to some durations of one without loads.
 constexpr double lasting = 10;
 // The spring of friction gets new ends where the point of contact has moved away by this share of the radius.
@@ -28,8 +31,15 @@ Vector3d left_over(const Vector3d& force, const Vector3d& damping, double stiffn
 
 }  // namespace
 
-double BodyContacts::part_of_step(const ContactLaw& law) {
-  return 1 / std::sqrt(1 + 0.5 * law.damping_number);
+// Longest step of an impact after some time, while it moves at that rate [s].
+double BodyContacts::impact_step(const ContactColumn& column, double since, double rate) const {
+  const int a = static_cast<int>(column[ContactRow::shape_a]),
+            b = static_cast<int>(column[ContactRow::shape_b]);
+  const double period = column[ContactRow::period], number = model_.contact.law(a, b).damping_number,
+               fast = coarser_from * faint_square(a, b);
+  double step = period / steps_per_contact;
+  if (rate * rate < fast) step *= rate > 0 ? std::min(coarsest, std::sqrt(fast) / rate) : 1;
+  return since < sudden * period ? step / std::sqrt(1 + 0.5 * number) : step;
 }
 
 void BodyContacts::set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
@@ -85,6 +95,15 @@ BodyContacts::Exchange BodyContacts::exchange_of(const ContactForce& f) {
           f.rolls};
 }
 
+// Square of the rate of the point: friction that slides is no vibration [m2/s2].
+double BodyContacts::Exchange::square(const ContactColumn& column) const {
+  double sum = motion.gap_rate * motion.gap_rate;
+  if (column[ContactRow::stiffness] > 0 && !slides) sum += motion.sliding.squaredNorm();
+  if (const double radius = column[ContactRow::rolling_radius]; radius > 0 && !rolls)
+    sum += radius * radius * motion.rolling.squaredNorm();
+  return sum;
+}
+
 // Work of a point on the links over a step, by Simpson's rule; in the middle of the step gap, stretch and
 // bend are those of the cubics through both ends (energy_balance.hpp).
 double BodyContacts::work(const ContactColumn& column, const Exchange& begin, const Exchange& end,
@@ -127,13 +146,14 @@ void BodyContacts::accept(State& state, double h) {
       continue;
     }
     kept.push_back(index);
-    const double period = column[ContactRow::period];
-    const double since = state.time - column[ContactRow::entry_time];
-    if (since <= lasting * period)
+    const Exchange& end = at_end_[static_cast<std::size_t>(index)];
+    const double since = state.time - column[ContactRow::entry_time],
+                 entry_rate = since <= column[ContactRow::period] ? column[ContactRow::entry_rate] : 0;
+    if (is_impact(state, column, end))
       longest =
-          std::min(longest, period / steps_per_contact * (since < sudden * period ? part_of_step(law) : 1));
-    else if (vibrates(column, at_end_[static_cast<std::size_t>(index)]))
-      longest = std::min(longest, period / steps_per_vibration);
+          std::min(longest, impact_step(column, since, std::max(entry_rate, std::sqrt(end.square(column)))));
+    else if (vibrates(column, end))
+      longest = std::min(longest, column[ContactRow::period] / steps_per_vibration);
 
     const double stored =
         normal_energy(law, -f.gap) + move_spring(f, column) + move_rolling_spring(f, column);
@@ -187,16 +207,21 @@ double BodyContacts::move_rolling_spring(const ContactForce& f, Eigen::Ref<Conta
   return 0.5 * stiffness * bend.squaredNorm();
 }
 
+// Whether steps resolve an impact of this point: for its duration, and for as long as it bounces after that.
+bool BodyContacts::is_impact(const State& state, const ContactColumn& column, const Exchange& now) const {
+  const double since = state.time - column[ContactRow::entry_time], period = column[ContactRow::period];
+  if (since > lasting * period) return false;
+  const double rate = column[ContactRow::entry_rate],
+               least = faint_square(static_cast<int>(column[ContactRow::shape_a]),
+                                    static_cast<int>(column[ContactRow::shape_b]));
+  return (since <= period && rate * rate > least) || now.square(column) > least;
+}
+
 // A load that jumps makes a body vibrate on its contacts. A step that does not resolve this has another
 // energy, and dampers at the points take another part of it.
 bool BodyContacts::vibrates(const ContactColumn& column, const Exchange& now) const {
-  const ContactMotion& m = now.motion;
-  if (!(m.gap < 0)) return false;
-  double rate = m.gap_rate * m.gap_rate;
-  if (column[ContactRow::stiffness] > 0 && !now.slides) rate += m.sliding.squaredNorm();
-  if (const double radius = column[ContactRow::rolling_radius]; radius > 0 && !now.rolls)
-    rate += radius * radius * m.rolling.squaredNorm();
-  return 0.5 * column[ContactRow::mass] * rate > least_vibration * energy_scale_;
+  return now.motion.gap < 0 &&
+         0.5 * column[ContactRow::mass] * now.square(column) > least_vibration * energy_scale_;
 }
 
 }  // namespace tandem::mbd

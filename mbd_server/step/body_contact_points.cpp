@@ -112,6 +112,7 @@ void BodyContacts::keep(State& state, const std::vector<Eigen::Index>& columns) 
 }
 
 // Points within the tolerance whose shapes approach each other, or are pressed together, come into contact.
+// Returns whether any of them begins an impact that is not faint.
 bool BodyContacts::enter_all(State& state, bool at_start) {
   const auto& links = system_.links();
   entries_.clear();
@@ -127,6 +128,8 @@ bool BodyContacts::enter_all(State& state, bool at_start) {
     if (rate > 0 && distance >= -tolerance_) continue;
     expect_round_side(candidates_[i].feature, distance);
     entries_.push_back({i, std::max(0.0, -rate)});
+    entries_.back().faint =
+        !at_start && rate * rate < faint_square(candidates_[i].feature.a, candidates_[i].feature.b);
   }
   if (entries_.empty()) return false;
   find_masses();
@@ -134,7 +137,7 @@ bool BodyContacts::enter_all(State& state, bool at_start) {
   state.contacts.conservativeResize(Eigen::NoChange, first + std::ssize(entries_));
   for (std::size_t i = 0; i < entries_.size(); ++i)
     enter(state, entries_[i], first + static_cast<Eigen::Index>(i));
-  return true;
+  return !std::ranges::all_of(entries_, &Entry::faint);
 }
 
 // The inertia that each point feels, closures included: a unit force gives the gap the rate 1/m. Points of
@@ -253,17 +256,15 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   state.contacts.col(index) = column;
   // A point that takes the place of another one begins with the energy of its depth.
   if (state.steps > 0) lose(-normal_energy(law, -t.gap), feature.a, feature.b);
-  shorten(state, column);
+  if (!entry.faint) shorten(state, column);
   ++counters_.contacts;
 }
 
 // The next steps resolve an impact of this point.
 void BodyContacts::shorten(State& state, const ContactColumn& column) {
-  const ContactLaw law = model_.contact.law(static_cast<int>(column[ContactRow::shape_a]),
-                                            static_cast<int>(column[ContactRow::shape_b]));
   double& touch_step = state.touch_step[0];
-  const double part = column[ContactRow::period] / steps_per_contact * part_of_step(law);
-  touch_step = touch_step > 0 ? std::min(touch_step, part) : part;
+  const double longest = impact_step(column, 0, column[ContactRow::entry_rate]);
+  touch_step = touch_step > 0 ? std::min(touch_step, longest) : longest;
 }
 
 }  // namespace tandem::mbd

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mbd_server/contact/contact_force.hpp"
+#include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/step/cubic.hpp"
 
 namespace tandem::mbd {
@@ -20,6 +21,9 @@ constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
 // A ball on a mesh: the distance to the feature that the step holds may differ from that to the mesh by this
 // share of the depth.
 constexpr double off_share = 1e-3;
+// An impact is faint where its rate is that of a fall through this share of the size of the body, and its
+// material loses half of the energy in an impact: what the steps leave out does not add up then.
+constexpr double faint_fall = 1e-5, most_elastic = 0.7;
 
 }  // namespace
 
@@ -40,6 +44,11 @@ BodyContacts::BodyContacts(const Model& model, GeneralizedAlpha& method, Machine
   for (const ContactShape& shape : model.contact.shapes) {
     const auto found = std::ranges::find(model.boundary, shape.body);
     const bool has = shape.body != none && found != model.boundary.end();
+    const double square = shape.body == none ? HUGE_VAL : 2 * faint_fall * model.gravity.norm() * shape.bound;
+    faint_square_.push_back(square);
+    faint_energy_.push_back(shape.body == none
+                                ? HUGE_VAL
+                                : 0.5 * model.bodies[static_cast<std::size_t>(shape.body)].mass * square);
     boundary_of_.push_back(has ? static_cast<int>(found - model.boundary.begin()) : none);
     records_impulses_ = records_impulses_ || has;
   }
@@ -101,6 +110,21 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   return taken;
 }
 
+// Square of the rate below which an impact of two shapes is faint [m2/s2].
+double BodyContacts::faint_square(int a, int b) const {
+  static const double least = damping_number(most_elastic);
+  if (model_.contact.law(a, b).damping_number < least) return 0;
+  return std::min(faint_square_[static_cast<std::size_t>(a)], faint_square_[static_cast<std::size_t>(b)]);
+}
+
+// Whether neither the rate of the gap nor the energy of the spring at that depth is worth a step that ends
+// there.
+bool BodyContacts::is_faint(const ContactFeature& f, double rate, double depth) const {
+  return rate * rate < faint_square(f.a, f.b) && normal_energy(model_.contact.law(f.a, f.b), depth) <=
+                                                     std::min(faint_energy_[static_cast<std::size_t>(f.a)],
+                                                              faint_energy_[static_cast<std::size_t>(f.b)]);
+}
+
 void BodyContacts::measure(State& state, Gaps& gaps) {
   system_.residual(state);
   gaps.resize(candidates_.size());
@@ -123,15 +147,17 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
   };
   for (std::size_t column = 0; column < candidates_.size(); ++column) {
     const Gap &g0 = gaps_before_[column], &g1 = gaps_[column];
+    const ContactFeature& feature = candidates_[column].feature;
     if (candidates_[column].column >= 0) {
       if (std::abs(g1.off) > std::max(tolerance_, off_share * -g1.value))
         add(h - g1.since, Change::follows, column);
-      if (!(g0.value < 0 && g1.value > 0)) continue;
+      if (!(g0.value < 0 && g1.value > 0) || is_faint(feature, g1.rate, -g0.value)) continue;
       const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
       const double at = bisect(path);
       if (at > early_end && at < late_end) add(h * at, Change::ends, column);
       continue;
     }
+    if (is_faint(feature, std::max(std::abs(g0.rate), std::abs(g1.rate)), -g1.value)) continue;
     // The depth over the step.
     const Cubic path{-g0.value, -h * g0.rate, -g1.value, -h * g1.rate};
     if (g1.value < -tolerance_) {
@@ -201,7 +227,8 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
 double BodyContacts::resolving_step(const State& state) const {
   double longest = HUGE_VAL;
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
-    if (vibrates(state.contacts.col(k), at_end_[static_cast<std::size_t>(k)]))
+    if (const Exchange& now = at_end_[static_cast<std::size_t>(k)];
+        vibrates(state.contacts.col(k), now) || is_impact(state, state.contacts.col(k), now))
       longest = std::min(longest, state.contacts(ContactRow::period, k) / steps_per_vibration);
   return longest;
 }

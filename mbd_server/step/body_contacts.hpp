@@ -3,8 +3,12 @@
 // - a step that would pass the begin of a contact is repeated so that it ends there, to 1e-10 of the size of
 //   the system; a step that would pass an end is repeated so that it ends there to 1 % of its length: a force
 //   that falls to zero within a step would give more impulse than it has;
-// - for some durations of an impact after its begin, steps are a part of that duration, and grow after it;
-//   they do so again where loads make a contact vibrate, and a longer step is repeated;
+// - for the duration of an impact, and for some more while the point bounces, steps are a part of that
+//   duration, and grow after it; they do so again where loads make a contact vibrate, and a longer step is
+//   repeated;
+// - a contact that begins or ends at a rate at which bodies that are pressed together flicker is faint: no
+// step
+//   ends there, and no impact is resolved;
 // - after each step, friction that slides moves the ends of its spring (contact_force.hpp), so that the
 //   spring has the force with which the step ended.
 #pragma once
@@ -94,6 +98,7 @@ class BodyContacts {
     ContactMotion motion;
     double power = 0, energy = 0;
     bool slides = false, rolls = false;
+    double square(const ContactColumn& column) const;
   };
   static Exchange exchange_of(const ContactForce& f);
   double work(const ContactColumn& column, const Exchange& begin, const Exchange& end, double h) const;
@@ -133,6 +138,8 @@ class BodyContacts {
   void expect_round_side(const ContactFeature& feature, double gap) const;
   bool follow(State& state, const ContactFeature& feature, Eigen::Index column);
   void shorten(State& state, const ContactColumn& column);
+  double faint_square(int a, int b) const;
+  bool is_faint(const ContactFeature& feature, double rate, double depth) const;
   // A point in contact of a pair of shapes.
   struct OfPair {
     int a, b;
@@ -156,6 +163,7 @@ class BodyContacts {
   struct Entry {
     std::size_t candidate;
     double rate, mass = 0;
+    bool faint = false;
   };
   void find_machines();
   int machine_of(int shape) const;
@@ -166,8 +174,7 @@ class BodyContacts {
   static constexpr double steps_per_contact = 32;    // of the duration of an impact
   static constexpr double steps_per_vibration = 16;  // of half a period of a contact that vibrates
   static constexpr double growth = 2;                // of the steps after a contact
-  // Steps at the begin of an impact of much damping are shorter by this factor.
-  static double part_of_step(const ContactLaw& law);
+  double impact_step(const ContactColumn& column, double since, double rate) const;
   // Sets the directions of the rolling spring, given in the world, on the two links.
   static void set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
                                  const LinkMotion& b, Eigen::Ref<ContactColumn> column);
@@ -181,6 +188,7 @@ class BodyContacts {
   void integrate_wrenches(State& state, double h);
   double longest_step(const State& state, double h) const;
   bool vibrates(const ContactColumn& column, const Exchange& now) const;
+  bool is_impact(const State& state, const ContactColumn& column, const Exchange& now) const;
   double resolving_step(const State& state) const;
 
   const Model& model_;
@@ -197,6 +205,9 @@ class BodyContacts {
   std::vector<double> lost_of_;  // share of each output [J]
   ContactExtremes extremes_;
   ReleasedAtStart released_;
+  // Square of the rate below which an impact of that shape is faint, and the energy then; none: it is on the
+  // ground [m2/s2], [J] (shapes).
+  std::vector<double> faint_square_, faint_energy_;
   std::vector<int> boundary_of_;  // boundary body of each shape; none: it has none (shapes)
   bool records_impulses_ = false;
   Wrenches at_begin_wrench_, at_end_wrench_, impulses_;

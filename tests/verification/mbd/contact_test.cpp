@@ -518,6 +518,24 @@ TEST(Contact, RandomDropsStayInTheirBox) {
   EXPECT_EQ(drop(1, 40).hash, drop(1, 40).hash);
 }
 
+// Falls of a share of the radius: impacts from lower than 1e-2 have longer steps.
+TEST(Contact, LowImpactsReturnTheirShare) {
+  constexpr double R = 0.05, e = 0.5;
+  for (const double share : {1., 1e-1, 1e-2, 1e-3, 3e-4}) {
+    ContactScene s;
+    s.add_floor();
+    s.add_ball("ball", 1, R, {0, 0, R * (1 + share)});
+    s.material() = {"stuff", 1e10, 0, 0, e, 0.5};
+    const double rate = std::sqrt(2 * g * share * R), fall = rate / g;
+    ContactRun run(s.scene, fall / 50);
+    run.advance(60);
+    const double z = run.position().z - R, v = run.velocity().z;
+    ASSERT_GT(z, 0);
+    expect_near("rebound over e times the rate, fall of " + std::to_string(share) + " R",
+                std::sqrt(v * v + 2 * g * z) / (e * rate), 1, share < 1e-2 ? 2e-2 : 1e-2);
+  }
+}
+
 TEST(ContactSoak, RandomDropsComeToRest) {
   if (!soak()) GTEST_SKIP() << "TANDEM_SOAK is not set";
   // One seed and another duration, for machines with many cores.

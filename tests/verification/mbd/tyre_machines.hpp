@@ -28,10 +28,11 @@ inline void expect_share(const std::string& what, double measured, double expect
 class TyreRun {
  public:
   explicit TyreRun(const json& document) : TyreRun(scene_of(document)) {}
-  explicit TyreRun(scene::Scene scene) : scene_(std::move(scene)) {
+  // `meshes` are those of the scene's files.
+  explicit TyreRun(scene::Scene scene, const std::vector<NamedMesh>& meshes = {}) : scene_(std::move(scene)) {
     log::setup("test", "error");
     columns_ = scene::element_columns(scene_);
-    solver_.configure(scene_);
+    solver_.configure(scene_, meshes);
   }
   static scene::Scene scene_of(json document) {
     document["tandem"] = "1.1", document["name"] = "vehicle", document["end_time"] = 100;

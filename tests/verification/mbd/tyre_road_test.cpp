@@ -1,9 +1,11 @@
 // Tyres on meshes, height fields and planes of the ground.
+#include <algorithm>
 #include <functional>
 #include <numbers>
 #include <random>
 
 #include "common/error.hpp"
+#include "common/geometry/solid_mesh.hpp"
 #include "tests/support/rigid_motion.hpp"
 #include "tests/verification/mbd/tyre_machines.hpp"
 
@@ -58,6 +60,31 @@ TEST(TyreRoad, FlatRoadsAreThePlane) {
                 ground["shape"]["type"].get<std::string>().c_str(), off);
     EXPECT_LT(off, 1e-9);
   }
+}
+
+// A vehicle that brakes in a bend up a ramp, which is a height field, and the same ramp from a file with the
+// triangles in any order.
+TEST(TyreRoad, AMeshFileIsItsHeightField) {
+  Vehicle v;
+  v.speed = 8, v.steer = 0.01, v.height = 0.35;
+  v.front.patch = v.rear.patch = 0.14;
+  const auto height = [](double x, double) { return 0.15 * (x - 3); };
+  const json scene = v.scene(0, 60), ramp = field("ramp", 30, 12, 30, 3, 18, 0, height);
+  json file = ramp;
+  file["shape"] = {{"type", "mesh"}, {"file", "ramp.obj"}};
+  TriangleMesh mesh =
+      height_field_mesh(30, 12, ramp["shape"]["heights"].get<std::vector<std::vector<double>>>());
+  std::mt19937_64 random(3);
+  std::ranges::shuffle(mesh.triangles, random);
+  const auto end = [&](const json& ground, const std::vector<NamedMesh>& meshes) {
+    TyreRun run(TyreRun::scene_of(on(scene, json::array({plane("floor"), ground}))), meshes);
+    run.advance(1);
+    return run.seen().bodies[0].pose.p_WB;
+  };
+  const Vec3d expected = end(ramp, {}), seen = end(file, {{"ground/ramp", mesh}});
+  std::printf("  height %.3f m; differs by %.1e m, tolerance 1e-9\n", seen.z, norm(seen - expected));
+  EXPECT_GT(seen.z, 0.5);
+  EXPECT_LT(norm(seen - expected), 1e-9);
 }
 
 // A wheel that is drawn slowly over a sine road: at the point of contact s the centre is at the loaded radius
