@@ -81,8 +81,9 @@ std::vector<double> run(int deep, const Roll& roll) {
   for (int k = 0; sample * k <= end; ++k) {
     while (t < sample * k - 1e-12) {
       const StepFigures figures = engine->figures();
-      const double step = std::min(
-          step_limits(l, figures.largest_speed, figures.largest_acceleration).smallest, sample * k - t);
+      // Equal steps: the method extrapolates by the ratio of a step to the one before.
+      const double limit = step_limits(l, figures.largest_speed, figures.largest_acceleration).smallest,
+                   rest = sample * k - t, step = rest / std::ceil(rest / limit);
       t += step;
       ++steps;
       engine->step(step, {pose_at(t)});
