@@ -84,7 +84,7 @@ Record run(int high) {
       const StepFigures figures = engine->figures();
       // Equal steps: the method extrapolates by the ratio of a step to the one before.
       const double limit = step_limits(l, figures.largest_speed, figures.largest_acceleration).smallest,
-                   rest = sample * k * unit - t, step = rest / std::ceil(rest / limit);
+                   left = sample * k * unit - t, step = left / std::ceil(left / limit);
       engine->step(step);
       impulse += engine->step_loads()[1].force.x * step;
       t += step;

@@ -83,7 +83,7 @@ std::vector<double> run(int deep, const Roll& roll) {
       const StepFigures figures = engine->figures();
       // Equal steps: the method extrapolates by the ratio of a step to the one before.
       const double limit = step_limits(l, figures.largest_speed, figures.largest_acceleration).smallest,
-                   rest = sample * k - t, step = rest / std::ceil(rest / limit);
+                   left = sample * k - t, step = left / std::ceil(left / limit);
       t += step;
       ++steps;
       engine->step(step, {pose_at(t)});
