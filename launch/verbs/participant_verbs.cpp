@@ -112,10 +112,12 @@ void add_new(CLI::App& app) {
   auto wanted = std::make_shared<NewParticipant>();
   verb->add_option("kind", *kind, "What to make: participant")->required();
   verb->add_option("name", wanted->name, "Name of the project and of its program")->required();
-  verb->add_option("--language", wanted->language, "Language of the solver: cpp, c, fortran")->required();
-  verb->add_option("--role", wanted->role, "Solver of the bodies (mbd) or of the particles (dem)")
+  verb->add_option("--language", wanted->language, "Language of the solver: cpp, c, fortran, python")
+      ->required();
+  verb->add_option("--role", wanted->role,
+                   "Solver of the bodies (mbd), of spheres (dem) or of a liquid (sph)")
       ->required()
-      ->check(CLI::IsMember({"mbd", "dem"}));
+      ->check(CLI::IsMember({"mbd", "dem", "sph"}));
   verb->add_option("--out", wanted->folder, "New folder; without it one with the name, here")
       ->type_name("DIR");
   verb->callback([=] {

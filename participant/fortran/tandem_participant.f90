@@ -3,7 +3,7 @@
 ! names here. Unsigned numbers of C are signed ones of the same size: the ground is -1.
 !
 ! A solver is a set of functions with bind(C); their addresses go into a tandem_motion_solver or a tandem_load_solver
-! (by c_funloc), and tandem_motion_run or tandem_load_run is the whole main program.
+! (by c_funloc), and tandem_motion_run, tandem_load_run (spheres) or tandem_liquid_run is the whole main program.
 module tandem_participant
   use, intrinsic :: iso_c_binding
   implicit none
@@ -24,7 +24,7 @@ module tandem_participant
   integer(c_int64_t), parameter :: tandem_can_predict = 1, tandem_can_rollback = 2, tandem_can_interpolate = 4
   integer(c_int64_t), parameter :: tandem_can_window_mean = 8, tandem_can_linearise = 16, tandem_can_extrapolate = 32
   integer(c_int64_t), parameter :: tandem_can_control = 64, tandem_can_checkpoint = 128
-  integer(c_int64_t), parameter :: tandem_can_observe_elements = 256
+  integer(c_int64_t), parameter :: tandem_can_observe_elements = 256, tandem_can_observe_liquid = 8192
 
   ! ---- messages
 
@@ -105,7 +105,7 @@ module tandem_participant
   type, bind(C) :: tandem_particles_frame
     integer(i64) :: time
     integer(sz) :: count
-    type(c_ptr) :: id, position, velocity, spin, radius  ! by c_loc of arrays of the solver
+    type(c_ptr) :: id, position, velocity, spin, radius, pressure, density  ! by c_loc of arrays of the solver
   end type
   type, bind(C) :: tandem_control_set
     integer(i64) :: time
@@ -145,6 +145,13 @@ module tandem_participant
     integer(sz) :: triangle_count
     type(c_ptr) :: triangles
   end type
+  type, bind(C) :: tandem_liquid
+    type(c_ptr) :: name
+    real(dp) :: density, viscosity, sound_speed, velocity(3)
+    integer(i32) :: hydrostatic, reserved
+    integer(sz) :: box_count
+    type(c_ptr) :: boxes
+  end type
   type, bind(C) :: tandem_configuration
     type(c_ptr) :: scene, origin, solver_options, backend
     integer(i32) :: threads, reserved
@@ -165,6 +172,9 @@ module tandem_participant
     integer(sz) :: control_count, element_count
     type(c_ptr) :: element_columns  ! array of texts, see tandem_element_column()
     type(c_ptr) :: sphere_spin
+    real(dp) :: spacing
+    integer(sz) :: liquid_count
+    type(c_ptr) :: liquids
   end type
 
   ! ---- the tables; functions that are not given stay c_null_funptr. `size` and `features` are set by the run functions
@@ -213,6 +223,14 @@ module tandem_participant
       type(tandem_load_solver), intent(in) :: solver
       type(c_ptr), value :: self
     end function
+    integer(c_int) function tandem_c_liquid_main(argc, argv, program, solver, self) bind(C, name="tandem_liquid_main")
+      import :: c_int, c_ptr, c_char, tandem_load_solver
+      integer(c_int), value :: argc
+      type(c_ptr), intent(in) :: argv(*)
+      character(kind=c_char), intent(in) :: program(*)
+      type(tandem_load_solver), intent(in) :: solver
+      type(c_ptr), value :: self
+    end function
     integer(c_int) function tandem_c_fail(code, what, where, hint) bind(C, name="tandem_fail")
       import :: c_int, c_char
       integer(c_int), value :: code
@@ -251,7 +269,7 @@ module tandem_participant
   type :: text_for_c
     character(kind=c_char), allocatable :: bytes(:)
   end type
-  private :: text_for_c, for_c, texts_for_c, own_command_line, exit_with
+  private :: text_for_c, for_c, texts_for_c, own_command_line, exit_with, run_load
 
 contains
 
@@ -430,6 +448,23 @@ contains
     if (wall%triangle_count > 0) call c_f_pointer(wall%triangles, list, [3_c_size_t, 3_c_size_t, wall%triangle_count])
   end function
 
+  function tandem_liquids(configuration) result(list)
+    type(tandem_configuration), intent(in) :: configuration
+    type(tandem_liquid), pointer :: list(:)
+    type(tandem_liquid), target, save :: none(1)
+    list => none(1:0)
+    if (configuration%liquid_count > 0) call c_f_pointer(configuration%liquids, list, [configuration%liquid_count])
+  end function
+
+  ! Boxes that a liquid fills: boxes(:, 1, i) is the lower corner of box i, boxes(:, 2, i) the upper one.
+  function tandem_boxes(liquid) result(list)
+    type(tandem_liquid), intent(in) :: liquid
+    real(c_double), pointer :: list(:, :, :)
+    real(c_double), target, save :: none(3, 2, 1)
+    list => none(:, :, 1:0)
+    if (liquid%box_count > 0) call c_f_pointer(liquid%boxes, list, [3_c_size_t, 2_c_size_t, liquid%box_count])
+  end function
+
   function tandem_sphere_position(configuration) result(list)
     type(tandem_configuration), intent(in) :: configuration
     real(c_double), pointer :: list(:, :)
@@ -497,6 +532,23 @@ contains
     type(tandem_load_solver), intent(inout) :: solver
     character(*), intent(in) :: features(:)
     type(c_ptr), intent(in), optional :: self
+    call run_load(program, solver, features, .false., self)
+  end subroutine
+
+  subroutine tandem_liquid_run(program, solver, features, self)
+    character(*), intent(in) :: program
+    type(tandem_load_solver), intent(inout) :: solver
+    character(*), intent(in) :: features(:)
+    type(c_ptr), intent(in), optional :: self
+    call run_load(program, solver, features, .true., self)
+  end subroutine
+
+  subroutine run_load(program, solver, features, of_liquid, self)
+    character(*), intent(in) :: program
+    type(tandem_load_solver), intent(inout) :: solver
+    character(*), intent(in) :: features(:)
+    logical, intent(in) :: of_liquid
+    type(c_ptr), intent(in), optional :: self
     type(text_for_c), allocatable, target :: words(:), names(:)
     type(c_ptr), allocatable, target :: argv(:), list(:)
     type(c_ptr) :: given
@@ -506,7 +558,11 @@ contains
     call texts_for_c(features, names, list)
     solver%size = c_sizeof(solver)
     solver%features = c_loc(list)
-    call exit_with(tandem_c_load_main(size(words), argv, program // c_null_char, solver, given))
+    if (of_liquid) then
+      call exit_with(tandem_c_liquid_main(size(words), argv, program // c_null_char, solver, given))
+    else
+      call exit_with(tandem_c_load_main(size(words), argv, program // c_null_char, solver, given))
+    end if
   end subroutine
 
   ! STOP with a number that is not known at compile time is not Fortran 2008.

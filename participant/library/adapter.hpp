@@ -12,7 +12,8 @@ namespace tandem::participant {
 // table and `self` must outlive the solver.
 std::unique_ptr<protocol::MotionSolver> make_motion_solver(const tandem_motion_solver& table, void* self,
                                                            std::string program);
+// `role`: dem or sph.
 std::unique_ptr<protocol::LoadSolver> make_load_solver(const tandem_load_solver& table, void* self,
-                                                       std::string program);
+                                                       std::string program, protocol::Role role);
 
 }  // namespace tandem::participant

@@ -35,19 +35,19 @@ class AdapterBase : public Interface {
     now_ = file.time;
   }
   protocol::Report report() override {
-    tandem_facts facts(prefix_);
+    tandem_facts facts(role_);
     expect_ok(table_.report(self_, &facts), "report");
     return {facts.text()};
   }
 
  protected:
-  // `prefix`: of the keys of facts.
-  AdapterBase(const Table& table, void* self, std::string program, std::string prefix)
-      : table_(copied(table)), self_(self), program_(std::move(program)), prefix_(std::move(prefix)) {}
+  AdapterBase(const Table& table, void* self, std::string program, protocol::Role role)
+      : table_(copied(table)), self_(self), program_(std::move(program)), role_(role) {}
 
   Table table_;
   void* self_;
-  std::string program_, prefix_;
+  std::string program_;
+  protocol::Role role_;
   std::unique_ptr<SceneView> view_;
   Nanoseconds now_, saved_;
 };

@@ -8,11 +8,15 @@
 #include "common/utf8.hpp"
 #include "participant/include/tandem/participant.h"
 #include "protocol/facts.hpp"
+#include "protocol/messages.hpp"
 
 struct tandem_facts {
-  explicit tandem_facts(std::string role_prefix) : prefix(std::move(role_prefix)) {}
-  std::string prefix;  // "mbd_" or "dem_"
+  explicit tandem_facts(tandem::protocol::Role role)
+      : prefix(role == tandem::protocol::Role::sph ? "" : std::string(tandem::protocol::word_of(role)) + "_"),
+        server(tandem::protocol::name(role)) {}
+  std::string prefix;  // "mbd_" or "dem_"; none for a liquid
   nlohmann::ordered_json values = nlohmann::ordered_json::object();
+  std::string server;         // for messages
   std::string problem, hint;  // the first one; the message is not sent
   tandem::ErrorCode code{};
 
@@ -32,7 +36,7 @@ struct tandem_facts {
   }
   // Replaces bytes that are not UTF-8. Throws Error where the facts are refused.
   std::string text() const {
-    if (!problem.empty()) throw tandem::Error(code, problem, prefix + "server", hint);
+    if (!problem.empty()) throw tandem::Error(code, problem, server, hint);
     return values.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   }
 };

@@ -105,6 +105,13 @@ std::string quoted(const std::string& list, const std::string& name) {
   return list + " '" + name + "'";
 }
 
+void add_walls(const std::vector<scene::Wall>& walls, const std::string& list, Features& features) {
+  for (const scene::Wall& wall : walls) {
+    features.add(std::visit(NameOfShape(), wall.shape), quoted(list, wall.name));
+    if (wall.surface_velocity) features.add("wall.surface_velocity", quoted(list, wall.name));
+  }
+}
+
 }  // namespace
 
 std::vector<Feature> features_of_mbd(const scene::Scene& scene) {
@@ -143,14 +150,31 @@ std::vector<Feature> features_of_dem(const scene::Scene& scene, const std::strin
     if (std::holds_alternative<scene::InletFill>(group.fill)) features.add("particles.inlet", where);
   }
   if (!spinning_group.empty()) features.add("particles.spin", quoted("dem.particles", spinning_group));
-  for (const scene::Wall& wall : dem.walls) {
-    features.add(std::visit(NameOfShape(), wall.shape), quoted("dem.walls", wall.name));
-    if (wall.surface_velocity) features.add("wall.surface_velocity", quoted("dem.walls", wall.name));
-  }
+  add_walls(dem.walls, "dem.walls", features);
   if (!dem.outlets.empty()) features.add("outlet", quoted("dem.outlets", dem.outlets.front().name));
   if (dem.periodic[0] || dem.periodic[1] || dem.periodic[2]) features.add("domain.periodic", "dem.domain");
   if (dem.follows) features.add("domain.follows", "dem.domain");
   if (dem.relax_start) features.add("relax_start", "dem.relax_start");
+  return features.take();
+}
+
+std::vector<Feature> features_of_sph(const scene::Scene& scene) {
+  Features features;
+  if (!scene.sph) return {};
+  const scene::Sph& sph = *scene.sph;
+  for (const scene::Liquid& liquid : sph.liquids)
+    for (const auto& fill : liquid.fill)
+      if (std::holds_alternative<scene::LiquidInside>(fill))
+        features.add("liquid.inside", quoted("sph.liquids", liquid.name));
+  add_walls(sph.walls, "sph.walls", features);
+  const auto add_friction = [&](scene::WallFriction friction, const std::string& where) {
+    features.add(friction == scene::WallFriction::no_slip ? "liquid.no_slip" : "liquid.free_slip", where);
+  };
+  if (!sph.walls.empty()) add_friction(sph.wall_friction, "sph.wall_friction");
+  for (const scene::LiquidPair& pair : sph.pairs) add_friction(pair.wall_friction, "sph.pairs");
+  if (!sph.inlets.empty()) features.add("liquid.inlet", quoted("sph.inlets", sph.inlets.front().name));
+  if (!sph.outlets.empty()) features.add("outlet", quoted("sph.outlets", sph.outlets.front().name));
+  if (sph.periodic[0] || sph.periodic[1] || sph.periodic[2]) features.add("domain.periodic", "sph.domain");
   return features.take();
 }
 

@@ -19,6 +19,8 @@ std::vector<Feature> features_of_mbd(const scene::Scene& scene);
 // What a particle solver has to know beyond spheres at given places, flat walls of triangles and the ground.
 // `spinning_group`: name of the first group with a sphere that rotates at the start; may be empty.
 std::vector<Feature> features_of_dem(const scene::Scene& scene, const std::string& spinning_group);
+// What a solver of a liquid has to know beyond one liquid in boxes.
+std::vector<Feature> features_of_sph(const scene::Scene& scene);
 
 // Throws Error{scene} for the features that are not in `known`, in which "joint:*" stands for all that begin
 // with "joint:".

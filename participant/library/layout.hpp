@@ -43,7 +43,8 @@ static_assert(TANDEM_CAN_PREDICT == protocol::can_predict && TANDEM_CAN_ROLLBACK
               TANDEM_CAN_EXTRAPOLATE == protocol::can_extrapolate &&
               TANDEM_CAN_CONTROL == protocol::can_control &&
               TANDEM_CAN_CHECKPOINT == protocol::can_checkpoint &&
-              TANDEM_CAN_OBSERVE_ELEMENTS == protocol::can_observe_elements);
+              TANDEM_CAN_OBSERVE_ELEMENTS == protocol::can_observe_elements &&
+              TANDEM_CAN_OBSERVE_LIQUID == protocol::can_observe_liquid);
 
 inline tandem_window view(const Window& window) {
   return {window.index, window.begin.count, window.end.count};

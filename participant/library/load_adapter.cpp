@@ -10,28 +10,33 @@ namespace {
 
 class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_solver> {
  public:
-  LoadAdapter(const tandem_load_solver& table, void* self, std::string program)
-      : AdapterBase(table, self, std::move(program), "dem_") {
+  LoadAdapter(const tandem_load_solver& table, void* self, std::string program, protocol::Role role)
+      : AdapterBase(table, self, std::move(program), role) {
     expect_common(table_, TANDEM_CAN_ROLLBACK | TANDEM_CAN_INTERPOLATE | TANDEM_CAN_WINDOW_MEAN |
-                              TANDEM_CAN_LINEARISE | TANDEM_CAN_CHECKPOINT);
+                              TANDEM_CAN_LINEARISE | TANDEM_CAN_CHECKPOINT |
+                              (of_liquid() ? TANDEM_CAN_OBSERVE_LIQUID : 0));
     expect_function(!(table_.capabilities & TANDEM_CAN_LINEARISE) || table_.linearise, "linearise",
                     "TANDEM_CAN_LINEARISE promises");
   }
 
+  protocol::Role role() const override { return role_; }
+
   protocol::Configured configure(const protocol::Configuration& configuration) override {
-    view_ = std::make_unique<SceneView>(configuration, protocol::Role::dem);
-    if (!view_->scene().dem)
-      throw Error(ErrorCode::scene, "has no 'dem'", configuration.origin, "no load solver is needed");
-    expect_known(features_of_dem(view_->scene(), view_->spinning_group()), names_of(table_.features),
-                 program_);
-    tandem_facts facts(prefix_);
+    view_ = std::make_unique<SceneView>(configuration, role_);
+    const scene::Scene& scene = view_->scene();
+    if (of_liquid() ? !scene.sph : !scene.dem)
+      throw Error(ErrorCode::scene, std::string("has no '") + protocol::word_of(role_) + "'",
+                  configuration.origin, "no such solver is needed");
+    expect_known(of_liquid() ? features_of_sph(scene) : features_of_dem(scene, view_->spinning_group()),
+                 names_of(table_.features), program_);
+    tandem_facts facts(role_);
     expect_ok(table_.configure(self_, &view_->configuration(), &facts), "configure");
     for (const std::uint32_t body : view_->boundary()) {
       blank_.push_back(of_body<protocol::BodyLoad>(body));
       blank_tangents_.push_back(of_body<protocol::BodyTangent>(body));
     }
     if (view_->ground_has_walls()) blank_.push_back(of_body<protocol::BodyLoad>(TANDEM_GROUND));
-    facts.values["spheres"] = view_->configuration().sphere_count;
+    if (!of_liquid()) facts.values["spheres"] = view_->configuration().sphere_count;
     return {{}, facts.text()};
   }
 
@@ -62,19 +67,52 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
   }
 
   const protocol::ParticlesFrame& observe() override {
-    tandem_particles_frame frame{now_.count, 0, nullptr, nullptr, nullptr, nullptr, nullptr};
+    tandem_particles_frame frame{};
+    frame.time = now_.count;
     expect_ok(table_.observe(self_, &frame), "observe");
     expect_count(frame.count);
     frame_.time = now_;
     assign(frame_.id, frame.id, frame.count, "id");
     assign(frame_.position, frame.position, 3 * frame.count, "position");
     assign(frame_.velocity, frame.velocity, 3 * frame.count, "velocity");
-    assign(frame_.spin, frame.spin, 3 * frame.count, "spin");
-    assign(frame_.radius, frame.radius, frame.count, "radius");
+    if (of_liquid()) {
+      observe_liquid(frame);
+    } else {
+      expect_absent(frame.pressure || frame.density, "pressure or density", "spheres have none");
+      assign(frame_.spin, frame.spin, 3 * frame.count, "spin");
+      assign(frame_.radius, frame.radius, frame.count, "radius");
+    }
     return frame_;
   }
 
  private:
+  bool of_liquid() const { return role_ == protocol::Role::sph; }
+
+  static void expect_absent(bool given, const char* arrays, const char* why) {
+    if (given)
+      throw Error(ErrorCode::internal, std::string("is given: ") + why, std::string("observe: ") + arrays,
+                  "leave it out");
+  }
+
+  // Particles of a liquid have no spin, and half a spacing as radius.
+  void observe_liquid(const tandem_particles_frame& frame) {
+    expect_absent(frame.spin || frame.radius, "spin or radius", "particles of a liquid have none");
+    frame_.spin.assign(3 * frame.count, 0);
+    frame_.radius.assign(frame.count, static_cast<float>(0.5 * view_->configuration().spacing));
+    const bool stated = table_.capabilities & TANDEM_CAN_OBSERVE_LIQUID;
+    expect_absent(!stated && (frame.pressure || frame.density), "pressure or density",
+                  "`capabilities` has no TANDEM_CAN_OBSERVE_LIQUID");
+    if (!stated) return;
+    std::vector<float> pressure, density;
+    assign(pressure, frame.pressure, frame.count, "pressure");
+    assign(density, frame.density, frame.count, "density");
+    frame_.liquid.clear();
+    for (std::size_t i = 0; i < frame.count; ++i) {
+      frame_.liquid.push_back(pressure[i]);
+      frame_.liquid.push_back(density[i]);
+    }
+  }
+
   std::vector<protocol::BodyLoad> blank_;
   std::vector<protocol::BodyTangent> blank_tangents_;
   protocol::LoadSet loads_;
@@ -85,8 +123,8 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
 }  // namespace
 
 std::unique_ptr<protocol::LoadSolver> make_load_solver(const tandem_load_solver& table, void* self,
-                                                       std::string program) {
-  return std::make_unique<LoadAdapter>(table, self, std::move(program));
+                                                       std::string program, protocol::Role role) {
+  return std::make_unique<LoadAdapter>(table, self, std::move(program), role);
 }
 
 }  // namespace tandem::participant

@@ -11,7 +11,7 @@ namespace {
 class MotionAdapter final : public AdapterBase<protocol::MotionSolver, tandem_motion_solver> {
  public:
   MotionAdapter(const tandem_motion_solver& table, void* self, std::string program)
-      : AdapterBase(table, self, std::move(program), "mbd_") {
+      : AdapterBase(table, self, std::move(program), protocol::Role::mbd) {
     expect_common(table_, TANDEM_CAN_PREDICT | TANDEM_CAN_ROLLBACK | TANDEM_CAN_EXTRAPOLATE |
                               TANDEM_CAN_CONTROL | TANDEM_CAN_CHECKPOINT | TANDEM_CAN_OBSERVE_ELEMENTS);
     const auto expect = [&](std::uint64_t capability, bool given, const char* function) {
@@ -29,7 +29,7 @@ class MotionAdapter final : public AdapterBase<protocol::MotionSolver, tandem_mo
     expect_known(features_of_mbd(view_->scene()), names_of(table_.features), program_);
     for (const std::uint32_t body : view_->boundary()) motion_.bodies.push_back(view_->start_of(body));
     tandem_motion_set initial = set_of(motion_);
-    tandem_facts facts(prefix_);
+    tandem_facts facts(role_);
     expect_ok(table_.configure(self_, &view_->configuration(), &initial, &facts), "configure");
     protocol::Configured configured{motion_.bodies, facts.text()};
     for (const protocol::BodyMotion& body : motion_.bodies)

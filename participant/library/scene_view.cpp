@@ -32,7 +32,7 @@ void append(std::vector<double>& list, Vec3d v) {
   list.insert(list.end(), {v.x, v.y, v.z});
 }
 
-// Text of mbd.solver_options or dem.solver_options.
+// Text of `solver_options` in this part of the scene.
 std::string solver_options(const std::string& scene, const char* part) {
   const auto json = nlohmann::ordered_json::parse(scene);
   const auto found = json.find(part);
@@ -47,7 +47,7 @@ TriangleMesh triangles_of(const scene::Wall& wall, const std::vector<protocol::N
   if (std::holds_alternative<scene::MeshShape>(wall.shape)) {
     const auto named = std::ranges::find(meshes, wall.name, &protocol::NamedMesh::name);
     if (named == meshes.end())
-      throw Error(ErrorCode::protocol, "no mesh came with it", "dem.walls '" + wall.name + "'");
+      throw Error(ErrorCode::protocol, "no mesh came with it", "wall '" + wall.name + "'");
     return transformed(named->mesh, wall.pose);
   }
   if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape); cylinder && cylinder->segments)
@@ -64,16 +64,19 @@ SceneView::SceneView(const protocol::Configuration& configuration, protocol::Rol
   scene::expect_masses(scene_, configuration.origin);
   view_.scene = kept(configuration.scene_text);
   view_.origin = kept(configuration.origin);
-  view_.solver_options =
-      kept(solver_options(configuration.scene_text, role == protocol::Role::mbd ? "mbd" : "dem"));
+  view_.solver_options = kept(solver_options(configuration.scene_text, protocol::word_of(role)));
   view_.backend = kept(configuration.backend);
   view_.threads = configuration.threads;
   put(view_.gravity, scene_.gravity);
   view_.end_time = scene_.end_time;
   view_.window = scene_.coupling.window;
   if (scene_.mbd) view_bodies();
-  if (scene_.dem) view_walls(configuration.meshes);
-  if (scene_.dem && role == protocol::Role::dem) view_spheres(configuration.files);
+  if (role == protocol::Role::sph) {
+    if (scene_.sph) view_liquid(configuration.meshes);
+  } else if (scene_.dem) {
+    view_grains(configuration.meshes);
+    if (role == protocol::Role::dem) view_spheres(configuration.files);
+  }
 }
 
 const char* SceneView::kept(const std::string& text) {
@@ -122,7 +125,7 @@ void SceneView::view_bodies() {
   view_.element_columns = element_columns_.data();
 }
 
-void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {
+void SceneView::view_grains(const std::vector<protocol::NamedMesh>& meshes) {
   const scene::Dem& dem = *scene_.dem;
   for (const scene::Material& material : dem.materials)
     materials_.push_back({kept(material.name), material.density, material.young, material.poisson});
@@ -141,7 +144,46 @@ void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {
                       .normal_damping = pair.normal_damping,
                       .tangential_stiffness = pair.tangential_stiffness,
                       .tangential_damping = pair.tangential_damping});
-  for (const scene::Wall& wall : dem.walls) {
+  view_.material_count = materials_.size();
+  view_.materials = materials_.data();
+  view_.pair_count = pairs_.size();
+  view_.pairs = pairs_.data();
+  view_walls(dem.walls, meshes);
+  set_domain(dem.micro_step, dem.domain);
+}
+
+void SceneView::view_liquid(const std::vector<protocol::NamedMesh>& meshes) {
+  const scene::Sph& sph = *scene_.sph;
+  for (const scene::Liquid& liquid : sph.liquids) {
+    std::vector<double>& boxes = boxes_.emplace_back();
+    for (const auto& fill : liquid.fill)
+      if (const auto* box = std::get_if<scene::Box>(&fill)) append(boxes, box->min), append(boxes, box->max);
+    tandem_liquid& seen = liquids_.emplace_back();
+    seen.name = kept(liquid.name);
+    seen.density = liquid.density;
+    seen.viscosity = liquid.viscosity;
+    seen.sound_speed = liquid.sound_speed.value_or(0);
+    put(seen.velocity, liquid.velocity);
+    seen.hydrostatic = liquid.pressure == scene::StartPressure::hydrostatic;
+    seen.box_count = boxes.size() / 6;
+    seen.boxes = boxes.data();
+  }
+  view_.spacing = sph.spacing;
+  view_.liquid_count = liquids_.size();
+  view_.liquids = liquids_.data();
+  view_walls(sph.walls, meshes);
+  set_domain(sph.micro_step, sph.domain);
+}
+
+void SceneView::set_domain(const std::optional<double>& micro_step, const scene::Box& domain) {
+  view_.micro_step = micro_step.value_or(0);
+  put(view_.domain_min, domain.min);
+  put(view_.domain_max, domain.max);
+}
+
+void SceneView::view_walls(const std::vector<scene::Wall>& walls,
+                           const std::vector<protocol::NamedMesh>& meshes) {
+  for (const scene::Wall& wall : walls) {
     if (wall.body == ground) ground_has_walls_ = true;
     tandem_wall& seen = walls_.emplace_back();
     seen.name = kept(wall.name);
@@ -169,15 +211,8 @@ void SceneView::view_walls(const std::vector<protocol::NamedMesh>& meshes) {
       seen.radius = sphere->radius;
     }
   }
-  view_.material_count = materials_.size();
-  view_.materials = materials_.data();
-  view_.pair_count = pairs_.size();
-  view_.pairs = pairs_.data();
   view_.wall_count = walls_.size();
   view_.walls = walls_.data();
-  view_.micro_step = dem.micro_step.value_or(0);
-  put(view_.domain_min, dem.domain.min);
-  put(view_.domain_max, dem.domain.max);
 }
 
 void SceneView::view_spheres(const std::vector<protocol::NamedText>& files) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,17 +33,21 @@ class SceneView {
  private:
   const char* kept(const std::string& text);
   void view_bodies();
-  void view_walls(const std::vector<protocol::NamedMesh>& meshes);
+  void view_grains(const std::vector<protocol::NamedMesh>& meshes);
+  void view_liquid(const std::vector<protocol::NamedMesh>& meshes);
+  void view_walls(const std::vector<scene::Wall>& walls, const std::vector<protocol::NamedMesh>& meshes);
+  void set_domain(const std::optional<double>& micro_step, const scene::Box& domain);
   void view_spheres(const std::vector<protocol::NamedText>& files);
 
   scene::Scene scene_;
   tandem_configuration view_{};
   std::deque<std::string> texts_;
-  std::deque<std::vector<double>> triangles_;
+  std::deque<std::vector<double>> triangles_, boxes_;
   std::vector<tandem_body> bodies_;
   std::vector<tandem_material> materials_;
   std::vector<tandem_pair> pairs_;
   std::vector<tandem_wall> walls_;
+  std::vector<tandem_liquid> liquids_;
   std::vector<std::uint32_t> boundary_, sphere_material_;
   std::vector<double> position_, velocity_, spin_, radius_;
   std::vector<const char*> element_columns_;

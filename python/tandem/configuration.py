@@ -43,7 +43,7 @@ class Configuration:
     gravity          [m/s2] (3)
     end_time         [s]
     window           length of a window, or of the first one [s]
-    micro_step       longest step of the particles; 0: the solver chooses [s]
+    micro_step       longest step of the particles or the liquid; 0: the solver chooses [s]
     bodies           list with name, index, mass, inertia (3 x 3, about the centre of mass), position, quaternion,
                      velocity, angular_velocity, is_boundary, is_free
     boundary         indices of the bodies with walls
@@ -55,7 +55,10 @@ class Configuration:
     walls            list with name, index, body (or GROUND), material, shape ("plane", "mesh", "cylinder", "sphere"),
                      open, position and quaternion (in the body), point, normal, radius, height, triangles (n x 3 x 3)
     spheres          position, velocity, spin (n x 3), radius, material (n)
-    domain_min, domain_max   spheres that leave it are removed and counted [m]
+    domain_min, domain_max   spheres that leave it are removed and counted; a liquid stays inside [m]
+    spacing          of a liquid: edge of the cube that a particle fills at the start [m]
+    liquids          list with name, index, density, viscosity, sound_speed (0: the solver chooses), velocity, hydrostatic,
+                     boxes (n x 2 x 3: lower and upper corners)
     """
 
     def __init__(self, c):
@@ -76,6 +79,10 @@ class Configuration:
         for wall in self.walls:
             wall.shape = SHAPES[wall.shape]
             wall.triangles = _array(wall.triangles, wall.triangle_count, 3, 3)
+        self.spacing = c.spacing
+        self.liquids = list(_records(c.liquids, c.liquid_count, layout.LIQUID))
+        for liquid in self.liquids:
+            liquid.boxes = _array(liquid.boxes, liquid.box_count, 2, 3)
         n = c.sphere_count
         self.spheres = SimpleNamespace(
             position=_array(c.sphere_position, n, 3), velocity=_array(c.sphere_velocity, n, 3), spin=_array(c.sphere_spin, n, 3),

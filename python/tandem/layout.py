@@ -38,6 +38,9 @@ PAIR = np.dtype([
     ("rolling_damping", "f8"), ("spring_stiffness", "f8"), ("spring_ratio", "f8"), ("work_of_adhesion", "f8"),
     ("cohesion_energy_density", "f8"), ("normal_stiffness", "f8"), ("normal_damping", "f8"),
     ("tangential_stiffness", "f8"), ("tangential_damping", "f8")])
+LIQUID = np.dtype([
+    ("name", "u8"), ("density", "f8"), ("viscosity", "f8"), ("sound_speed", "f8"), ("velocity", *VECTOR),
+    ("hydrostatic", "u4"), ("reserved", "u4"), ("box_count", "u8"), ("boxes", "u8")])
 WALL = np.dtype([
     ("name", "u8"), ("body", "u4"), ("material", "u4"), ("shape", "u4"), ("open", "u4"), ("pose", POSE),
     ("point", *VECTOR), ("normal", *VECTOR), ("radius", "f8"), ("height", "f8"), ("triangle_count", "u8"),
@@ -77,7 +80,8 @@ class BodiesFrame(ctypes.Structure):
 
 class ParticlesFrame(ctypes.Structure):
     _fields_ = [("time", c_int64), ("count", c_size_t), ("id", c_void_p), ("position", c_void_p),
-                ("velocity", c_void_p), ("spin", c_void_p), ("radius", c_void_p)]
+                ("velocity", c_void_p), ("spin", c_void_p), ("radius", c_void_p), ("pressure", c_void_p),
+                ("density", c_void_p)]
 
 
 class ControlSet(ctypes.Structure):
@@ -98,7 +102,8 @@ class Configuration(ctypes.Structure):
         ("walls", c_void_p), ("sphere_count", c_size_t), ("sphere_position", c_void_p), ("sphere_velocity", c_void_p),
         ("sphere_radius", c_void_p), ("sphere_material", c_void_p), ("domain_min", c_double * 3),
         ("domain_max", c_double * 3), ("control_count", c_size_t), ("element_count", c_size_t),
-        ("element_columns", ctypes.POINTER(c_char_p)), ("sphere_spin", c_void_p)]
+        ("element_columns", ctypes.POINTER(c_char_p)), ("sphere_spin", c_void_p), ("spacing", c_double),
+        ("liquid_count", c_size_t), ("liquids", c_void_p)]
 
 
 def _function(*arguments):
@@ -133,7 +138,7 @@ RECORDS = {  # name in C: layout here
     "tandem_pose": POSE, "tandem_twist": TWIST, "tandem_wrench": WRENCH, "tandem_body_motion": BODY_MOTION,
     "tandem_body_load": BODY_LOAD, "tandem_body_tangent": BODY_TANGENT, "tandem_particle_account": PARTICLE_ACCOUNT,
     "tandem_body_state": BODY_STATE, "tandem_joint_state": JOINT_STATE, "tandem_body": BODY,
-    "tandem_material": MATERIAL, "tandem_pair": PAIR, "tandem_wall": WALL, "tandem_window": Window,
+    "tandem_material": MATERIAL, "tandem_liquid": LIQUID, "tandem_pair": PAIR, "tandem_wall": WALL, "tandem_window": Window,
     "tandem_motion_set": MotionSet, "tandem_load_set": LoadSet, "tandem_tangent_set": TangentSet,
     "tandem_bodies_frame": BodiesFrame, "tandem_particles_frame": ParticlesFrame, "tandem_control_set": ControlSet,
     "tandem_state_file": StateFile, "tandem_configuration": Configuration, "tandem_motion_solver": MotionTable,

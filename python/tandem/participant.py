@@ -1,4 +1,4 @@
-"""A solver for tandem in Python: subclass MotionSolver or LoadSolver, and call run().
+"""A solver for tandem in Python: subclass MotionSolver, LoadSolver or LiquidSolver, and call run().
 
     from tandem import participant
 
@@ -9,7 +9,7 @@
     participant.run(MySolver(), "my_solver", "1.0")
 
 A motion solver (multibody side, `--mbd-server`) takes loads and returns the motion of the bodies with walls; a load
-solver (particle side, `--dem-server`) takes that motion and returns loads. Units, axes and the order of the calls are
+solver of spheres (`--dem-server`) or of a liquid (`--sph-server`) takes that motion and returns loads. Units, axes and the order of the calls are
 those of tandem/participant.h. Records lie on memory of the library without copies, and are valid during the call:
 
     motion.bodies["end_pose"]["position"][:] = position
@@ -112,6 +112,15 @@ class LoadSolver(Solver):
         """Fills in an array of tandem_body_tangent: stiffness and damping (6 x 6) of the contacts of each body."""
 
 
+class LiquidSolver(LoadSolver):
+    observes_liquid = False  # observe() gives pressure and density
+
+    def observe(self):
+        """Returns id (ascending), position and velocity of the particles, and with `observes_liquid` pressure [Pa] and
+        density [kg/m3]."""
+        raise NotImplementedError
+
+
 MotionSolver._role, LoadSolver._role = MotionSolver, LoadSolver
 
 
@@ -202,11 +211,17 @@ class _LoadCalls(_Calls):
     def advance(self, motion, loads):
         self.solver.advance(MotionSet(motion, False), LoadSet(loads, True))
 
+    names = ("id", "position", "velocity", "spin", "radius")  # of what observe() returns
+
     def observe(self, frame):
-        names, types = ("id", "position", "velocity", "spin", "radius"), ("u4", "f8", "f4", "f4", "f4")
-        shown = [np.ascontiguousarray(array, type_) for array, type_ in zip(self.solver.observe(), types)]
+        observed = self.solver.observe()
+        if len(observed) != len(self.names):
+            raise Error(f"returned {len(observed)} arrays, not {', '.join(self.names)}", "observe", None, INTERNAL)
+        types = {"id": "u4", "position": "f8"}
+        shown = [np.ascontiguousarray(array, types.get(name, "f4")) for name, array in zip(self.names, observed)]
         count = frame.contents.count = len(shown[0])
-        for name, array, shape in zip(names, shown, ((count,), (count, 3), (count, 3), (count, 3), (count,))):
+        for name, array in zip(self.names, shown):
+            shape = (count, 3) if name in ("position", "velocity", "spin") else (count,)
             if array.shape != shape:
                 raise Error(f"{name} has the shape {array.shape}, not {shape}", "observe", None, INTERNAL)
             setattr(frame.contents, name, array.ctypes.data)
@@ -215,6 +230,12 @@ class _LoadCalls(_Calls):
     def linearise(self, tangents):
         c = tangents.contents
         self.solver.linearise(_view(c.bodies, c.count, layout.BODY_TANGENT, True))
+
+
+class _LiquidCalls(_LoadCalls):
+    def __init__(self, solver):
+        super().__init__(solver)
+        self.names = ("id", "position", "velocity") + (("pressure", "density") if solver.observes_liquid else ())
 
 
 def _guarded(call, name):
@@ -235,11 +256,13 @@ def _table(solver):
                                      (64, ["control"]), (128, ["checkpoint", "resume"])])
         bits |= 256 if solver.observes_elements else 0
     elif isinstance(solver, LoadSolver):
-        table, calls = layout.LoadTable(), _LoadCalls(solver)
+        of_liquid = isinstance(solver, LiquidSolver)
+        table, calls = layout.LoadTable(), (_LiquidCalls if of_liquid else _LoadCalls)(solver)
         bits = solver._capabilities([(2, ["save", "restore"]), (16, ["linearise"]), (128, ["checkpoint", "resume"])])
         bits |= (4 if solver.follows_path else 0) | (8 if solver.window_mean else 0)
+        bits |= 8192 if of_liquid and solver.observes_liquid else 0
     else:
-        raise TypeError(f"{type(solver).__name__} is neither a MotionSolver nor a LoadSolver")
+        raise TypeError(f"{type(solver).__name__} is neither a MotionSolver nor a LoadSolver or LiquidSolver")
     if isinstance(solver.features, (str, bytes)) or not all(isinstance(name, str) for name in solver.features):
         raise TypeError(f"{type(solver).__name__}.features is {solver.features!r}; write a list of names: [\"joint:*\"]")
     features = (ctypes.c_char_p * (len(solver.features) + 1))(*(name.encode() for name in solver.features), None)
@@ -252,7 +275,8 @@ def _table(solver):
 def run(solver, name, version):
     """Takes part in a run as the command line says, and exits with its status."""
     table, kept = _table(solver)
-    main = library().tandem_motion_main if isinstance(solver, MotionSolver) else library().tandem_load_main
+    role = "motion" if isinstance(solver, MotionSolver) else "liquid" if isinstance(solver, LiquidSolver) else "load"
+    main = getattr(library(), f"tandem_{role}_main")
     arguments = [os.fsencode(argument) for argument in sys.argv]
     argv = (ctypes.c_char_p * (len(arguments) + 1))(*arguments, None)
     status = main(len(arguments), argv, f"{name} {version}".encode(), ctypes.byref(table), None)

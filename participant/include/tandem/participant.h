@@ -1,15 +1,16 @@
-/* The participant kit of tandem: write a solver, fill in a table of functions, and call tandem_motion_main() or
- * tandem_load_main(). The library speaks the protocol, checks every value in both directions, and calls the
+/* The participant kit of tandem: write a solver, fill in a table of functions, and call tandem_motion_main(),
+ * tandem_load_main() or tandem_liquid_main(). The library speaks the protocol, checks every value in both directions, and calls the
  * solver in a fixed order:
  *   configure, then any sequence of { predict, advance, save, restore, observe, ... }, then report.
  *
- * There are two roles. A motion solver (multibody side, `--mbd-server`) takes loads and returns the motion of
- * the boundary bodies, which are the bodies with walls. A load solver (particle side, `--dem-server`) takes that
- * motion and returns loads.
+ * There are two kinds of solvers. A motion solver (multibody side, `--mbd-server`) takes loads and returns the
+ * motion of the boundary bodies, which are the bodies with walls. A load solver takes that motion and returns
+ * loads: of spheres (`--dem-server`) or of a liquid (`--sph-server`). Both fill in the same table; lines marked
+ * "spheres" or "liquid" are for the one only, and are zero or NULL for the other.
  *
  * Units are SI, axes are the world's, unless a line says otherwise. A body's frame has its origin at the centre
  * of mass. Quaternions are unit, w x y z, and rotate vectors of the body frame into the world. A load is that of
- * the particles ON the body; a torque is about the body's centre of mass. Time at the interface is in integer
+ * the particles or the liquid ON the body; a torque is about the body's centre of mass. Time at the interface is in integer
  * nanoseconds since the start of the run.
  *
  * Results: the library hands each function a struct with room for the answer, zeroed, with `body`, `window` and
@@ -168,8 +169,10 @@ typedef struct tandem_particles_frame { /* for the results: pointers to arrays o
   const uint32_t *id;     /* ascending (count) */
   const double *position; /* [m] (count x 3) */
   const float *velocity;  /* [m/s] (count x 3) */
-  const float *spin;      /* [rad/s] (count x 3) */
-  const float *radius;    /* [m] (count) */
+  const float *spin;      /* spheres [rad/s] (count x 3) */
+  const float *radius;    /* spheres [m] (count) */
+  const float *pressure;  /* liquid, with TANDEM_CAN_OBSERVE_LIQUID [Pa] (count) */
+  const float *density;   /* likewise [kg/m3] (count) */
 } tandem_particles_frame;
 
 typedef struct tandem_control_set { /* values of the control inputs from now on, in the order of the scene */
@@ -241,6 +244,19 @@ typedef struct tandem_wall {
   const double *triangles; /* vertices in the frame of the body [m] (triangle_count x 3 x 3) */
 } tandem_wall;
 
+/* Each is filled at the start by boxes; those of `inside` are in `scene` (feature `liquid.inside`). */
+typedef struct tandem_liquid {
+  const char *name;
+  double density;       /* [kg/m3] */
+  double viscosity;     /* dynamic [Pa s] */
+  double sound_speed;   /* of the computation; 0: the solver chooses [m/s] */
+  double velocity[3];   /* at the start [m/s] */
+  uint32_t hydrostatic; /* 1: starts with the pressure of its weight, 0: without pressure */
+  uint32_t reserved;
+  size_t box_count;
+  const double *boxes;  /* lower and upper corner, edges along the axes of the world [m] (box_count x 2 x 3) */
+} tandem_liquid;
+
 /* All pointers stay valid until the program ends. */
 typedef struct tandem_configuration {
   const char *scene;          /* the scene file's text (JSON): what the fields below do not contain */
@@ -252,31 +268,35 @@ typedef struct tandem_configuration {
   double gravity[3];          /* [m/s2] */
   double end_time;            /* [s] */
   double window;              /* length of a window, or of the first one [s] */
-  double micro_step;          /* dem.micro_step: the longest step of the particles; 0: the solver chooses [s] */
+  double micro_step;          /* dem.micro_step or sph.micro_step: the longest step; 0: the solver chooses [s] */
   size_t body_count;
   const tandem_body *bodies;
   size_t joint_count;         /* joints of the scene; their data are in `scene` */
   size_t boundary_count;
   const uint32_t *boundary;   /* indices of the boundary bodies, ascending */
-  size_t material_count;
+  size_t material_count;      /* spheres */
   const tandem_material *materials;
-  size_t pair_count;
+  size_t pair_count;          /* spheres */
   const tandem_pair *pairs;
-  size_t wall_count;
+  size_t wall_count;          /* of the part of the scene for this solver; of a motion solver: dem.walls */
   const tandem_wall *walls;
-  size_t sphere_count;             /* at the start; spheres of inlets come later and are not among them */
+  size_t sphere_count;             /* spheres: at the start; spheres of inlets come later and are not among them */
   const double *sphere_position;   /* [m] (sphere_count x 3) */
   const double *sphere_velocity;   /* [m/s] (sphere_count x 3) */
   const double *sphere_radius;     /* [m] (sphere_count) */
   const uint32_t *sphere_material; /* index in materials (sphere_count) */
-  double domain_min[3], domain_max[3]; /* spheres that leave it are removed and counted [m] */
+  double domain_min[3], domain_max[3]; /* spheres that leave it are removed and counted; a liquid stays inside [m] */
   size_t control_count;            /* number of control inputs */
   size_t element_count;            /* number of columns of elements.csv */
   const char *const *element_columns; /* their names, "drive.torque" (docs/results.md) */
   const double *sphere_spin;       /* angular velocities at the start [rad/s] (sphere_count x 3) */
+  double spacing;                  /* liquid: edge of the cube that a particle fills at the start [m] */
+  size_t liquid_count;             /* liquid */
+  const tandem_liquid *liquids;
 } tandem_configuration;
 
-/* Figures for summary.json, from configure and report. A key gets the prefix "mbd_" or "dem_" of the solver's role. It has 1
+/* Figures for summary.json, from configure and report. A key gets the prefix "mbd_" or "dem_" of the solver's role; those of a
+ * liquid are in the object "sph". It has 1
  * to 100 letters, digits, '_' and '-'; numbers are finite; there may be 20,000 facts and warnings of 4 MiB in all. Others
  * end the run. */
 typedef struct tandem_facts tandem_facts;
@@ -296,6 +316,7 @@ TANDEM_API void tandem_warn(tandem_facts *facts, const char *sentence);
 #define TANDEM_CAN_CONTROL (1u << 6)     /* motion: control() */
 #define TANDEM_CAN_CHECKPOINT (1u << 7)  /* checkpoint() and resume() */
 #define TANDEM_CAN_OBSERVE_ELEMENTS (1u << 8) /* motion: observe() fills in `elements` */
+#define TANDEM_CAN_OBSERVE_LIQUID (1u << 13) /* liquid: observe() gives `pressure` and `density` */
 
 /* ---- the two tables. `self` is the pointer given to the main function. Functions that belong to a capability
  * which the table does not state may be NULL; all others must be given. */
@@ -346,6 +367,8 @@ TANDEM_API int tandem_motion_main(int argc, char **argv, const char *program, co
                                   void *self);
 TANDEM_API int tandem_load_main(int argc, char **argv, const char *program, const tandem_load_solver *solver,
                                 void *self);
+TANDEM_API int tandem_liquid_main(int argc, char **argv, const char *program, const tandem_load_solver *solver,
+                                  void *self);
 
 /* ---- help */
 

@@ -1,6 +1,6 @@
-// The participant kit for C++17 and later: derive from MotionSolver or LoadSolver, and call run() in main().
-// tandem/participant.h says what every struct and every call means; this header adds classes, ranges and
-// exceptions, and copies nothing.
+// The participant kit for C++17 and later: derive from MotionSolver, LoadSolver or LiquidSolver, and call
+// run() in main(). tandem/participant.h says what every struct and every call means; this header adds
+// classes, ranges and exceptions, and copies nothing.
 #ifndef TANDEM_PARTICIPANT_HPP
 #define TANDEM_PARTICIPANT_HPP
 
@@ -66,6 +66,7 @@ inline Range<const tandem_body> bodies(const tandem_configuration& c) { return {
 inline Range<const std::uint32_t> boundary(const tandem_configuration& c) { return {c.boundary, c.boundary_count}; }
 inline Range<const tandem_material> materials(const tandem_configuration& c) { return {c.materials, c.material_count}; }
 inline Range<const tandem_pair> pairs(const tandem_configuration& c) { return {c.pairs, c.pair_count}; }
+inline Range<const tandem_liquid> liquids(const tandem_configuration& c) { return {c.liquids, c.liquid_count}; }
 inline Range<const tandem_wall> walls(const tandem_configuration& c) { return {c.walls, c.wall_count}; }
 inline Range<const char* const> element_columns(const tandem_configuration& c) { return {c.element_columns, c.element_count}; }
 // clang-format on
@@ -174,6 +175,7 @@ class MotionSolver : public Solver {
   virtual void control(const tandem_control_set&) { detail::missing("control"); }
 };
 
+// Of spheres; a LiquidSolver has the same functions.
 class LoadSolver : public Solver {
  public:
   virtual void configure(const tandem_configuration&, Facts&) = 0;
@@ -182,6 +184,8 @@ class LoadSolver : public Solver {
 
   virtual void linearise(tandem_tangent_set&) { detail::missing("linearise"); }
 };
+
+class LiquidSolver : public LoadSolver {};
 
 namespace detail {
 
@@ -252,7 +256,11 @@ inline int run(int argc, char** argv, const char* program, MotionSolver& solver)
   return tandem_motion_main(argc, argv, program, &table, &solver);
 }
 
-inline int run(int argc, char** argv, const char* program, LoadSolver& solver) {
+namespace detail {
+
+// `main`: tandem_load_main or tandem_liquid_main.
+inline int run_load(decltype(tandem_load_main)& main, int argc, char** argv, const char* program,
+                    LoadSolver& solver) {
   const detail::FeatureList features(solver.features());
   tandem_load_solver table{};
   table.size = sizeof table;
@@ -273,7 +281,16 @@ inline int run(int argc, char** argv, const char* program, LoadSolver& solver) {
   table.linearise = [](void* self, tandem_tangent_set* tangents) {
     return detail::guarded("linearise", [&] { static_cast<LoadSolver*>(self)->linearise(*tangents); });
   };
-  return tandem_load_main(argc, argv, program, &table, &solver);
+  return main(argc, argv, program, &table, &solver);
+}
+
+}  // namespace detail
+
+inline int run(int argc, char** argv, const char* program, LoadSolver& solver) {
+  return detail::run_load(tandem_load_main, argc, argv, program, solver);
+}
+inline int run(int argc, char** argv, const char* program, LiquidSolver& solver) {
+  return detail::run_load(tandem_liquid_main, argc, argv, program, solver);
 }
 
 }  // namespace tandem::participant

@@ -275,6 +275,33 @@ class Templates(Case):
         print(f"momentum balance {summary['momentum_balance']:.2g}")
         self.assertLess(abs(summary["momentum_balance"]), 1e-12)
 
+    def test_a_liquid_weighs_what_it_weighs(self):
+        scene, *foreign = self.project("sph")
+        self.tandem(scene, *foreign)
+        summary = json.loads((self.folder / "out/summary.json").read_text())
+        self.assertTrue(all(check["passed"] for check in summary["checks"]), summary["checks"])
+        self.assertEqual(summary["sph"]["method"], "one mass on a spring, velocity Verlet")
+
+    def test_a_liquid_gives_what_it_promises(self):
+        scene, *foreign = self.project("sph")
+        source = self.folder / "py_sph/main.py"
+        text = source.read_text()
+        for old, new, why in (
+                ("self.pressure, self.density)", "self.pressure)", "returned 4 arrays, not id, position, velocity, pressure, density"),
+                ("= observes_liquid = True", "= True", "returned 5 arrays, not id, position, velocity"),
+                ("np.tile(self.v, (n, 1))", "self.v", r"velocity has the shape \(3,\), not \(216, 3\)")):
+            self.assertIn(old, text)
+            source.write_text(text.replace(old, new))
+            self.assertRegex(self.tandem(scene, *foreign, expect=70), why)
+
+    def test_what_a_liquid_does_not_know_is_refused(self):
+        path, *foreign = self.project("sph")
+        scene = json.loads(path.read_text())
+        scene["sph"]["liquids"][0]["fill"] = [{"type": "inside", "wall": "sides", "level": 0}]
+        path.write_text(json.dumps(scene))
+        self.assertRegex(self.tandem(path, *foreign, expect=2),
+                         r"sph\.liquids 'water': the scene asks for liquid.inside, which py_sph 0.1 does not know")
+
     def test_a_start_that_it_does_not_know_is_refused(self):
         scene = self.project("dem")[0]  # with a plate on a spring
         text = json.loads(scene.read_text())
@@ -284,7 +311,7 @@ class Templates(Case):
         self.assertRegex(said, "the scene asks for joint:prismatic, .*start.equilibrium.*, which py_mbd 0.1 does not know")
 
     def test_an_iterated_scheme(self):
-        for side in ("mbd", "dem"):
+        for side in ("mbd", "dem", "sph"):
             scene, *foreign = self.project(side)
             self.tandem(scene, *foreign, "--scheme", "implicit", "--end-time", "0.05")
             self.assertEqual(json.loads((self.folder / "out/summary.json").read_text())["status"], "ok")

@@ -39,6 +39,8 @@ for language in "${languages[@]}"; do
     jobs+=("$!:$language-$role")
   done
 done
+make_and_build cpp sph > cpp-sph.txt 2>&1 &
+jobs+=("$!:cpp-sph")
 for job in "${jobs[@]}"; do
   wait "${job%%:*}" || fail "${job#*:}: $(cat "${job#*:}.txt")"
   ! grep -i 'warning' "${job#*:}.txt" || fail "${job#*:} is built with warnings"
@@ -80,9 +82,18 @@ for language in "${languages[@]}"; do
   grep -q 'a pair has friction, which this solver does not know' refused.txt || fail "$(cat refused.txt)"
 done
 
+echo "-- a liquid: the checks of its scene pass with the template and with the solver of tandem"
+run cpp_sph/scene.json out_cpp_sph --sph-server "$work/cpp_sph/build/cpp_sph"
+run cpp_sph/scene.json out_own_sph
+grep -q '"method": "one mass on a spring' out_cpp_sph/summary.json || fail "out_cpp_sph/summary.json has no method of the liquid"
+sed 's|"domain": {|"outlets": [{"name": "drain", "region": {"type": "plane", "point": [0.15, 0, 0], "normal": [1, 0, 0]}}], "domain": {|' \
+  cpp_sph/scene.json > outlet.json
+! run outlet.json out_refused --sph-server "$work/cpp_sph/build/cpp_sph" 2> refused.txt || fail "an outlet was accepted"
+grep -q 'the scene asks for outlet, which cpp_sph 0.1 does not know' refused.txt || fail "$(cat refused.txt)"
+
 if "/usr/bin/python3" -c 'import numpy' 2> no_numpy.txt; then
   echo "-- python: the package and the library are the moved folder's"
-  for role in mbd dem; do
+  for role in mbd dem sph; do
     "$tandem" new participant "python_$role" --language python --role "$role"
     run "python_$role/scene.json" "out_python_$role" "--$role-server" "/usr/bin/python3 python_$role/main.py"
     grep -q "\"program\": \"python_$role 0.1\"" "out_python_$role/summary.json" || fail "out_python_$role/summary.json"
@@ -104,6 +115,7 @@ judge() {  # LANGUAGE ROLE
 judge c mbd
 judge c dem
 judge cpp mbd
+judge cpp sph
 [[ -z $FC ]] || judge fortran dem
 for language in "${judged[@]}"; do judge "$language" mbd; done
 

@@ -58,6 +58,7 @@ LISTS = {"tandem_motions": "tandem_motion_set", "tandem_loads": "tandem_load_set
          "tandem_elements": "tandem_bodies_frame",
          "tandem_bodies": "tandem_configuration", "tandem_boundary": "tandem_configuration", "tandem_materials": "tandem_configuration",
          "tandem_pairs": "tandem_configuration", "tandem_walls": "tandem_configuration", "tandem_triangles": "tandem_wall",
+         "tandem_liquids": "tandem_configuration", "tandem_boxes": "tandem_liquid",
          "tandem_sphere_position": "tandem_configuration", "tandem_sphere_velocity": "tandem_configuration",
          "tandem_sphere_radius": "tandem_configuration", "tandem_sphere_material": "tandem_configuration"}
 

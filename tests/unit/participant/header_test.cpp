@@ -14,7 +14,7 @@ struct Failure {
   std::string what, where, hint;
 } failure;
 std::function<void(const tandem_motion_solver&, void*)> use_motion;
-std::function<void(const tandem_load_solver&, void*)> use_load;
+std::function<void(const tandem_load_solver&, void*)> use_load, use_liquid;
 std::vector<std::string> facts;
 
 }  // namespace
@@ -43,6 +43,10 @@ int tandem_motion_main(int, char**, const char*, const tandem_motion_solver* tab
 int tandem_load_main(int, char**, const char*, const tandem_load_solver* table, void* self) {
   use_load(*table, self);
   return 8;
+}
+int tandem_liquid_main(int, char**, const char*, const tandem_load_solver* table, void* self) {
+  use_liquid(*table, self);
+  return 9;
 }
 int tandem_pose_at(const tandem_body_motion*, const tandem_window*, double, tandem_pose*, tandem_twist*) {
   return tandem_fail(TANDEM_ERROR_NUMERICS, "rotates too far", "tandem_pose_at", "");
@@ -171,6 +175,36 @@ TEST(ParticipantHeader, AFailureOfTheLibraryKeepsItsReason) {
     EXPECT_EQ(failure.what, "rotates too far");
   };
   EXPECT_EQ(run(0, nullptr, "test 1", solver), 8);
+}
+
+class Liquid : public LiquidSolver {
+ public:
+  std::uint64_t capabilities() const override { return TANDEM_CAN_OBSERVE_LIQUID; }
+  std::vector<std::string> features() const override { return {"liquid.inside"}; }
+  void configure(const tandem_configuration& c, Facts& given) override {
+    given.number(liquids(c)[0].name, c.spacing);
+  }
+  void advance(const tandem_motion_set&, tandem_load_set&) override {}
+  void observe(tandem_particles_frame& frame) override { frame.count = 3; }
+};
+
+TEST(ParticipantHeader, ASolverOfALiquidHasATableLikeOneOfSpheres) {
+  Liquid solver;
+  facts.clear();
+  use_liquid = [&](const tandem_load_solver& table, void* self) {
+    EXPECT_EQ(table.capabilities, TANDEM_CAN_OBSERVE_LIQUID);
+    EXPECT_STREQ(table.features[0], "liquid.inside");
+    tandem_liquid water{};
+    water.name = "water";
+    tandem_configuration configuration{};
+    configuration.liquid_count = 1, configuration.liquids = &water;
+    EXPECT_EQ(table.configure(self, &configuration, nullptr), TANDEM_OK);
+    EXPECT_THAT(facts, ElementsAre("water"));
+    tandem_particles_frame frame{};
+    EXPECT_EQ(table.observe(self, &frame), TANDEM_OK);
+    EXPECT_EQ(frame.count, 3u);
+  };
+  EXPECT_EQ(run(0, nullptr, "test 1", solver), 9);
 }
 
 }  // namespace
