@@ -1,6 +1,6 @@
-// @NAME@: a solver of a liquid for tandem, in C++. The liquid is one mass, which the walls of one body hold by a
-// spring and a dashpot in place of pressure: it weighs, it is accelerated with its vessel, and it does not flow.
-// docs/participant.md of tandem says what each function must do.
+// @NAME@: a solver of a liquid for tandem, in C++. The liquid is one mass, which the walls of one body hold
+// by a spring and a dashpot in place of pressure: it weighs, it is accelerated with its vessel, and it does
+// not flow. docs/participant.md of tandem says what each function must do.
 #include <algorithm>
 #include <cmath>
 #include <tandem/participant.hpp>
@@ -60,10 +60,11 @@ class Lump : public kit::LiquidSolver {
     vessel_ = scene.walls[0].body;
     for (const tandem_wall& wall : kit::walls(scene))
       if (wall.body != vessel_)
-        throw kit::Error(kit::Code::scene, "two bodies have walls, and this liquid is held by one", "sph.walls",
-                         "give all walls the same \"body\", or leave it out for the ground");
+        throw kit::Error(kit::Code::scene, "two bodies have walls, and this liquid is held by one",
+                         "sph.walls", "give all walls the same \"body\", or leave it out for the ground");
     if (vessel_ != TANDEM_GROUND) vessel_start_ = {scene.bodies[vessel_].pose, scene.bodies[vessel_].twist};
-    // A column of depth and area d and d^2 has the stiffness rho c^2 d, and with the mass rho d^3 the frequency c / d.
+    // A column of depth and area d and d^2 has the stiffness rho c^2 d, and with the mass rho d^3 the
+    // frequency c / d.
     const double d = std::cbrt(mass_ / liquid.density);
     const double c = liquid.sound_speed > 0 ? liquid.sound_speed : 10 * std::sqrt(g_ * d);
     if (!(c > 0))
@@ -75,15 +76,16 @@ class Lump : public kit::LiquidSolver {
     anchor_ = rotate(vessel_start_.pose.quaternion, -1, at_rest - vec(vessel_start_.pose.position));
     for (std::size_t i = 0; i < pressure_.size(); ++i) {
       if (g_ > 0 && liquid.hydrostatic)
-        pressure_[i] = static_cast<float>(liquid.density * (dot(gravity_, vec(&particles_[3 * i])) + g_ * top_));
+        pressure_[i] =
+            static_cast<float>(liquid.density * (dot(gravity_, vec(&particles_[3 * i])) + g_ * top_));
       density_[i] += pressure_[i] / static_cast<float>(c * c);
     }
     facts.text("method", "one mass on a spring, velocity Verlet");
     facts.number("sound_speed_m_per_s", c);
   }
 
-  // Verlet: half a kick, drift, force, half a kick. The load is the trapezoidal sum of the same forces, so that
-  // the impulses of liquid and vessel are opposite but for round-off.
+  // Verlet: half a kick, drift, force, half a kick. The load is the trapezoidal sum of the same forces, so
+  // that the impulses of liquid and vessel are opposite but for round-off.
   void advance(const tandem_motion_set& motion, tandem_load_set& loads) override {
     tandem_particle_account& account = loads.account;
     const double length = kit::length(motion.window);
@@ -94,7 +96,7 @@ class Lump : public kit::LiquidSolver {
     add(account.gravity_impulse, mass_ * length, gravity_);
     for (int step = 0; step <= static_cast<int>(steps); ++step) {
       const double weight = (step == 0 || step == steps ? 0.5 : 1) * dt;  // of the trapezoidal sum
-      Vec force;                                                         // on the liquid
+      Vec force;                                                          // on the liquid
       for (tandem_body_load& load : kit::loads(loads)) {
         if (!held_ || load.body != vessel_) continue;
         kit::State at = vessel_start_;  // the ground
@@ -107,7 +109,8 @@ class Lump : public kit::LiquidSolver {
         const double share = -weight / length, moment = share * (step * dt - 0.5 * length);
         add(load.mean.force, share, force), add(load.mean.torque, share, torque);
         add(load.first_moment.force, moment, force), add(load.first_moment.torque, moment, torque);
-        load.work -= weight * (dot(force, vec(at.twist.velocity)) + dot(torque, vec(at.twist.angular_velocity)));
+        load.work -=
+            weight * (dot(force, vec(at.twist.velocity)) + dot(torque, vec(at.twist.angular_velocity)));
       }
       now_.v = now_.v + weight * ((1 / mass_) * force + gravity_);
       if (step < static_cast<int>(steps)) now_.x = now_.x + dt * now_.v;
@@ -180,7 +183,8 @@ class Lump : public kit::LiquidSolver {
     const Vec force = -mass_ * (omega_ * omega_ * (now_.x - anchor) + omega_ * (now_.v - anchor_v));
     if (dot(force, gravity_) > 1e-6 * mass_ * g_ * g_)
       throw kit::Error(kit::Code::numerics, "would leave its vessel, which this solver cannot compute",
-                       "the liquid", "take another solver, or keep the vessel from falling faster than the liquid");
+                       "the liquid",
+                       "take another solver, or keep the vessel from falling faster than the liquid");
     return force;
   }
 
@@ -196,10 +200,10 @@ class Lump : public kit::LiquidSolver {
   std::uint32_t vessel_ = TANDEM_GROUND;  // the body with the walls
   kit::State vessel_start_{{{0, 0, 0}, {1, 0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}};
   Vec gravity_;
-  double g_ = 0, top_ = 0;          // [m/s2]; height of the surface against gravity [m]
-  double mass_ = 0, omega_ = 0;     // [kg]; of the spring [1/s]
-  Vec start_, anchor_;              // centre at the start; where the spring is fixed, in the frame of the vessel
-  Vec lower_, upper_;               // of the liquid at the start
+  double g_ = 0, top_ = 0;       // [m/s2]; height of the surface against gravity [m]
+  double mass_ = 0, omega_ = 0;  // [kg]; of the spring [1/s]
+  Vec start_, anchor_;           // centre at the start; where the spring is fixed, in the frame of the vessel
+  Vec lower_, upper_;            // of the liquid at the start
   Memory now_, saved_;
   std::vector<double> particles_, position_;  // at the start; now
   std::vector<float> velocity_, pressure_, density_;

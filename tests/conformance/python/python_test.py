@@ -334,5 +334,77 @@ class Templates(Case):
         self.assertEqual(int(counts[-1]), 64 - summary["lost_particles"])
 
 
+class Liquids(Case):
+    """The judge's checks of inlets and outlets, on a liquid that flies freely and on one with a fault."""
+    SOLVER = '''
+import numpy as np
+from tandem import participant
+
+class Flight(participant.LiquidSolver):
+    features = ["outlet", "liquid.inlet"]
+    follows_path = window_mean = True
+
+    def configure(self, c):
+        liquid, s, sph = c.liquids[0], c.spacing, c.scene["sph"]
+        self.s, self.mass = s, liquid.density * s**3
+        axes = lambda box: [np.arange(a + s / 2, b, s) for a, b in box.T]
+        self.x = np.concatenate([np.stack(np.meshgrid(*axes(b)), -1).reshape(-1, 3) for b in liquid.boxes])
+        self.v = np.tile(liquid.velocity, (len(self.x), 1))
+        self.id, self.layers = np.arange(len(self.x)), 0
+        self.inlet, self.drain = sph.get("inlets"), sph.get("outlets")
+
+    def advance(self, motion, loads):
+        H, account = motion.window.length, loads.account
+        account["micro_steps"], account["micro_step"] = 1, H
+        account["momentum_begin"] = self.mass * self.v.sum(0)
+        self.x = self.x + H * self.v
+        if self.drain:
+            out = self.x[:, 0] > self.drain[0]["region"]["point"][0]
+            account["lost_momentum"] = self.mass * self.v[out].sum(0)
+            self.x, self.v, self.id = self.x[~out], self.v[~out], self.id[~out]
+        if self.inlet and motion.window.end * 1e-9 * 0.5 > (self.layers + 1) * self.s:
+            self.layers += 1
+            y, z = np.meshgrid((np.arange(7) - 3) * self.s, (np.arange(3) - 1) * self.s)
+            layer = np.stack([np.full(21, 0.1), y.ravel(), z.ravel()], -1)
+            self.x, self.id = np.concatenate([self.x, layer]), np.arange(len(self.id) + 21)
+            self.v = np.concatenate([self.v, np.tile([0.5, 0, 0], (21, 1))])
+            account["lost_momentum"] = [-21 * self.mass * 0.5, 0, 0]
+        account["momentum_end"] = self.mass * self.v.sum(0)
+        account["kinetic_energy"] = self.mass * np.sum(self.v**2) / 2
+
+    def observe(self):
+        return self.id, self.x, self.v
+
+participant.run(Flight(), "flight", "1")
+'''
+
+    def judged(self, old="", new=""):
+        """The outcomes of both checks with this change of the solver."""
+        self.assertIn(old, self.SOLVER)
+        (self.folder / "flight.py").write_text(self.SOLVER.replace(old, new) if old else self.SOLVER)
+        said = subprocess.run([BIN / "tandem", "conform", f"{PYTHON} {self.folder}/flight.py", "--role", "sph", "--check", "liquid_inlet",
+                               "--check", "liquid_outlet"], capture_output=True, text=True, timeout=120, check=False,
+                              env={**os.environ, "PYTHONPATH": str(SOURCES / "python")})
+        print(said.stdout)
+        return [line.split()[0] for line in said.stdout.splitlines()[:2]]
+
+    def test_a_liquid_without_a_fault_passes(self):
+        self.assertEqual(self.judged(), ["PASS", "PASS"])
+
+    def test_faults_are_found(self):
+        for old, new, inlet, outlet in (
+                ('account["lost_momentum"] = self.mass * self.v[out].sum(0)', "pass", "PASS", "FAIL"),
+                ('account["lost_momentum"] = [-21 * self.mass * 0.5, 0, 0]', "pass", "FAIL", "PASS"),
+                ("self.id[~out]", "self.id[:len(self.id) - out.sum()]", "PASS", "FAIL"),
+                ("> self.drain[0]", "- 0.1 > self.drain[0]", "PASS", "FAIL"),
+                ("* 1e-9 * 0.5 >", "* 1e-9 * 0.2 >", "FAIL", "PASS"),
+                ("np.arange(7) - 3) * self.s, (np.arange(3) - 1)", "np.arange(3) - 1) * self.s, (np.arange(7) - 3)", "FAIL", "PASS"),
+                ("np.full(21, 0.1)", "np.full(21, 0.2)", "FAIL", "PASS"),
+                ("np.tile([0.5, 0, 0]", "np.tile([0, 0, 0.5]", "FAIL", "PASS"),
+                ('account["kinetic_energy"]', 'account["lost_particles"] = 1; account["kinetic_energy"]', "FAIL", "FAIL")):
+            with self.subTest(new):
+                self.assertEqual(self.judged(old, new), [inlet, outlet])
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[4:]], verbosity=2)
