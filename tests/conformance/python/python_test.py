@@ -302,6 +302,20 @@ class Templates(Case):
         self.assertRegex(self.tandem(path, *foreign, expect=2),
                          r"sph\.liquids 'water': the scene asks for liquid.inside, which py_sph 0.1 does not know")
 
+    def test_what_a_liquid_cannot_show_ends_the_run(self):
+        path, *foreign = self.project("sph")
+        text = path.read_text()
+        for changes, why in (({'"length": 0.4867': '"length": 0.8'}, "the liquid: would leave its vessel"),
+                             ({"[0, 0, 1]": "[0, 1, 0]", "prismatic": "revolute", '"point_b": [0, 0, 0]': '"point_b": [0.1, 0, 0]'},
+                              "the body with the walls: turns by more than 0.1 rad"),
+                             ({"-0.3]": "-0.1001]", '"length": 0.4867': '"length": 0.497'}, "sph.domain: leaves the domain")):
+            scene = text
+            for old, new in changes.items():
+                self.assertIn(old, scene)
+                scene = scene.replace(old, new)
+            path.write_text(scene)
+            self.assertRegex(self.tandem(path, *foreign, expect=3), why)
+
     def test_a_start_that_it_does_not_know_is_refused(self):
         scene = self.project("dem")[0]  # with a plate on a spring
         text = json.loads(scene.read_text())
