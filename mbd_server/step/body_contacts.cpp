@@ -23,7 +23,7 @@ constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
 constexpr double off_share = 1e-3;
 // An impact is faint where its rate is that of a fall through this share of the size of the body, and its
 // material loses half of the energy in an impact: what the steps leave out does not add up then.
-constexpr double faint_fall = 1e-5, most_elastic = 0.7;
+constexpr double faint_fall = 1e-6, most_elastic = 0.7;
 
 }  // namespace
 

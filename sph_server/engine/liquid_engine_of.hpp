@@ -100,7 +100,7 @@ class LiquidEngineOf final : public LiquidEngine {
   void step(double dt, const std::vector<dem::BodyPose>& poses) override {
     expect_stable(dt);
     advance_.dt = dt;
-    advance_.weight = last_dt_ > 0 ? 0.5 * dt / last_dt_ : 0.5;
+    advance_.weight = extrapolation_weight(dt, last_dt_);
     for (int p = 0; p < powers; ++p)
       work_.of[p] += dt * ((1 + advance_.weight) * power_[p] - advance_.weight * previous_power_[p]);
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));

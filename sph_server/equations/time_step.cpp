@@ -20,6 +20,12 @@ StepLimits step_limits(const Liquid& liquid, double v, double a) {
   return s;
 }
 
+double extrapolation_weight(double dt, double last) {
+  constexpr double largest_ratio = 2;
+  if (!(last > 0)) return 0.5;
+  return dt <= largest_ratio * last ? 0.5 * dt / last : 0;
+}
+
 double suggested_sound_speed(double v, double gravity, double depth) {
   return 10 * std::max(v, std::sqrt(gravity * depth));
 }

@@ -15,6 +15,11 @@ struct StepLimits {
 // Bashforth) bears half the viscous step that [Morris1997] gives for one.
 StepLimits step_limits(const Liquid& liquid, double v, double a);
 
+// Weight with which a step of length dt extrapolates the change of a rate since the step before, of length
+// `last` [s]: half the ratio of the two, and 0 (first order) for a step of more than twice the last one,
+// which would amplify the scatter of the rates. 1/2 for the first step, where `last` is 0.
+double extrapolation_weight(double dt, double last);
+
 // Speed of sound at which the density varies by about 1 %: ten times the largest of the speed `v` [m/s] and
 // of the speed of free fall over the depth [m].
 double suggested_sound_speed(double v, double gravity, double depth);

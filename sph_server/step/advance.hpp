@@ -18,7 +18,7 @@ struct Advance {
   dem::Periods periods;
   Liquid properties;
   double dt = 0;        // [s]
-  double weight = 0.5;  // half the ratio of this step to the one before: rates extrapolate by it [-]
+  double weight = 0.5;  // extrapolation_weight() [-]
   double damping = 1;   // factor of velocities [-]; below 1 while particles are packed
   // Pressure of all particles while they are packed [Pa]; the compression then stays as it is. Otherwise 0.
   double packing_pressure = 0;

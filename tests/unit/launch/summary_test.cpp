@@ -65,7 +65,7 @@ TEST(Summary, ChecksKnowTheNumbersOfTheSolvers) {
   scene::Scene scene;
   scene.mbd.emplace();
   scene.dem.emplace().outlets.emplace_back();
-  scene.sph.emplace();
+  scene.sph.emplace().outlets.emplace_back();
   scene.contact.emplace();
   const std::vector<std::string> keys = scene::summary_keys(scene);
   for (const Role role : protocol::all_roles)

@@ -50,6 +50,15 @@ TEST(PairTerms, AreAntisymmetricToTheBitAndConjugate) {
               1e-5 * std::fabs(of_i.diffusion / j.volume));
 }
 
+// After a step of a thousandth, which ends at a sample, a rate is not extrapolated by a factor of 500.
+TEST(TimeStep, ExtrapolatesUpToTwiceTheLastStep) {
+  EXPECT_EQ(extrapolation_weight(1e-3, 0), 0.5) << "the first step";
+  EXPECT_EQ(extrapolation_weight(1e-3, 1e-3), 0.5);
+  EXPECT_EQ(extrapolation_weight(1e-6, 1e-3), 0.5e-3);
+  EXPECT_EQ(extrapolation_weight(2e-3, 1e-3), 1);
+  EXPECT_EQ(extrapolation_weight(2.1e-3, 1e-3), 0);
+}
+
 TEST(Spray, BearsNoTensionAndReturnsToRest) {
   constexpr double own = 0.12;
   for (const double shadow : {0.0, 0.45, 0.9})

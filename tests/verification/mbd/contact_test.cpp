@@ -532,7 +532,7 @@ TEST(Contact, LowImpactsReturnTheirShare) {
     const double z = run.position().z - R, v = run.velocity().z;
     ASSERT_GT(z, 0);
     expect_near("rebound over e times the rate, fall of " + std::to_string(share) + " R",
-                std::sqrt(v * v + 2 * g * z) / (e * rate), 1, share < 1e-2 ? 2e-2 : 1e-2);
+                std::sqrt(v * v + 2 * g * z) / (e * rate), 1, 1e-2);
   }
 }
 
