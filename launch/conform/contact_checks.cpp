@@ -11,13 +11,6 @@ namespace {
 using protocol::LoadSet;
 using protocol::ParticlesFrame;
 
-Vec3d vector_of(const std::vector<double>& values, std::size_t i) {
-  return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-}
-Vec3d vector_of(const std::vector<float>& values, std::size_t i) {
-  return Vec3f{values[3 * i], values[3 * i + 1], values[3 * i + 2]}.as<double>();
-}
-
 // The frame has these spheres and no others; a complaint otherwise.
 bool has_two_spheres(Examination& e, const ParticlesFrame& frame) {
   const bool both = frame.id == std::vector<std::uint32_t>{0, 1};

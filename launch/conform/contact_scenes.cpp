@@ -98,4 +98,32 @@ const char* const outlet_scene = R"({
   }
 })";
 
+// A jet from an inlet without gravity; the block of liquid at rest is far from it.
+const char* const spout_scene = R"({
+  "tandem": "1.1", "name": "spout", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
+  "sph": {
+    "spacing": 0.02, "precision": "double",
+    "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "sound_speed": 14, "pressure": "zero",
+                 "fill": [{"type": "box", "min": [-0.5, -0.5, -0.5], "max": [-0.44, -0.44, -0.44]}]}],
+    "inlets": [{"name": "spout", "position": [0.1, 0, 0], "orientation": {"axis": [0, 1, 0], "angle_deg": 90},
+                "shape": {"type": "rectangle", "size": [0.06, 0.14]}, "velocity": 0.5}],
+    "domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}
+  }
+})";
+
+// Without gravity a block of liquid flies into an outlet, which all of it has reached after 0.16 s; another
+// one stays.
+const char* const drain_scene = R"({
+  "tandem": "1.1", "name": "drain", "gravity": [0, 0, 0], "end_time": 1, "coupling": {"window": 0.001},
+  "sph": {
+    "spacing": 0.02, "precision": "double",
+    "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "sound_speed": 14, "pressure": "zero",
+                 "velocity": [1, 0.2, 0],
+                 "fill": [{"type": "box", "min": [-0.06, -0.06, -0.06], "max": [0.06, 0.06, 0.06]},
+                          {"type": "box", "min": [-0.66, -0.06, -0.06], "max": [-0.6, 0, 0]}]}],
+    "outlets": [{"name": "drain", "region": {"type": "plane", "point": [0.1, 0, 0], "normal": [1, 0, 0]}}],
+    "domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}
+  }
+})";
+
 }  // namespace tandem::conform

@@ -1,4 +1,5 @@
-// Small scenes of the judge in which spheres touch each other, come in and leave (scenes.hpp has the list).
+// Small scenes of the judge in which spheres touch each other, and spheres and liquids come in and leave
+// (scenes.hpp has the list).
 #pragma once
 
 namespace tandem::conform {
@@ -8,5 +9,7 @@ extern const char* const stack_scene;
 extern const char* const trays_scene;
 extern const char* const inlets_scene;
 extern const char* const outlet_scene;
+extern const char* const spout_scene;
+extern const char* const drain_scene;
 
 }  // namespace tandem::conform

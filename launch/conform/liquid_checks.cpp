@@ -93,6 +93,80 @@ void liquid_frame(Examination& e) {
             "Pa");
 }
 
+double mass_of_particle(const Examination& e) {
+  const double s = e.scene().sph.value().spacing;
+  return liquid_of(e).density * s * s * s;
+}
+
+// What left with particles less what came in, over so many windows; each closes its balance of momentum.
+Vec3d gone_in_windows(Examination& e, Session& session, int count) {
+  Vec3d gone;
+  double worst = 0, scale = 0;
+  for (int i = 0; i < count; ++i) {
+    const LoadSet loads = rest_windows(session, e.scene(), 1);
+    const protocol::ParticleAccount& a = loads.account;
+    gone += a.lost_momentum;
+    Vec3d reaction;
+    for (const protocol::BodyLoad& load : loads.bodies) reaction += -H * load.mean.force;
+    worst = std::max(
+        worst, norm(a.momentum_end - a.momentum_begin + a.lost_momentum - a.gravity_impulse - reaction));
+    scale = std::max({scale, norm(a.momentum_end), norm(a.lost_momentum)});
+    e.expect(a.lost_particles == 0, "particles of an inlet or an outlet count as lost");
+  }
+  e.compare("largest momentum of a window that no load, inlet or outlet gave", worst, 0, 1e-6 * scale, "N s");
+  return gone;
+}
+
+void liquid_inlet(Examination& e) {
+  const auto session = e.open();
+  const ParticlesFrame start = session->particles();
+  const Vec3d gone = gone_in_windows(e, *session, 180);
+  const ParticlesFrame frame = session->particles();
+  const scene::LiquidInlet& inlet = e.scene().sph->inlets.front();
+  const auto& [width, height] = std::get<scene::RectangleShape>(inlet.shape);
+  const double spacing = e.scene().sph->spacing, t = session->time();
+  const Vec3d v = inlet.pose.q_WB.rotate({0, 0, inlet.speed()});
+  const std::size_t first = start.id.size();
+  if (frame.id.size() < first || !std::equal(start.id.begin(), start.id.end(), frame.id.begin())) {
+    e.expect(false, "the particles that were there at the start are gone, or have other ids");
+    return;
+  }
+  const auto came = static_cast<double>(frame.id.size() - first);
+  const double flow = liquid_of(e).density * inlet.area() * inlet.speed();
+  e.compare("mass that came in, within a layer", came * mass_of_particle(e), flow * t,
+            liquid_of(e).density * inlet.area() * spacing, "kg");
+  e.compare("momentum that left, less what came in", gone, -came * mass_of_particle(e) * v,
+            1e-5 * norm(flow * t * v), "kg m/s");
+  double outside = 0;
+  Vec3d mean;
+  for (std::size_t i = first; i < frame.id.size(); ++i) {
+    const Vec3d x = inlet.pose.q_WB.conjugate().rotate(vector_of(frame.position, i) - inlet.pose.p_WB);
+    outside = std::max({outside, std::fabs(x.x) - 0.5 * width, std::fabs(x.y) - 0.5 * height, -x.z,
+                        x.z - inlet.speed() * t});
+    mean += (1 / came) * vector_of(frame.velocity, i);
+  }
+  e.compare("distance of a particle from the jet of the inlet", outside, 0, spacing, "m");
+  e.compare("mean velocity of what came in", mean, v, 5e-2 * norm(v), "m/s");
+}
+
+void liquid_outlet(Examination& e) {
+  const auto session = e.open();
+  const ParticlesFrame start = session->particles();
+  const double mass = mass_of_particle(e), layer = 36 * mass;
+  const Vec3d v = liquid_of(e).velocity;
+  const Vec3d half = gone_in_windows(e, *session, 100);
+  const auto left =
+      static_cast<double>(start.id.size()) - static_cast<double>(session->particles().id.size());
+  e.compare("mass that went out with half of the block, within a layer", left * mass, 3 * layer, layer, "kg");
+  e.compare("momentum that left with it", half, left * mass * v, 1e-3 * norm(3 * layer * v), "kg m/s");
+  const Vec3d all = half + gone_in_windows(e, *session, 100);
+  e.compare("momentum that left with the block", all, 6 * layer * v, 1e-3 * norm(6 * layer * v), "kg m/s");
+  const std::vector<std::uint32_t> others(
+      start.id.begin() + std::min<std::ptrdiff_t>(216, std::ssize(start.id)), start.id.end());
+  e.expect(session->particles().id == others,
+           "particles inside the outlet are still in the frame, or others are not, or have other ids");
+}
+
 }  // namespace
 
 void add_liquid_checks(std::vector<Check>& table) {
@@ -109,6 +183,13 @@ void add_liquid_checks(std::vector<Check>& table) {
       "grows "
       "with the depth",
       protocol::can_observe_liquid, "basin", liquid_frame);
+  add("liquid_inlet",
+      "liquid comes in through an inlet, as a jet of its shape with its velocity and its mass per time; its "
+      "momentum is recorded",
+      0, "spout", liquid_inlet);
+  add("liquid_outlet",
+      "liquid that reaches an outlet is taken out, is not lost, and its momentum is recorded", 0, "drain",
+      liquid_outlet);
 }
 
 }  // namespace tandem::conform

@@ -18,6 +18,14 @@ inline double mass_of(const Examination& e, std::size_t group) {
                      dem.particles[group].radius_min);
 }
 
+// Element i of an array of a frame.
+inline Vec3d vector_of(const std::vector<double>& values, std::size_t i) {
+  return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+}
+inline Vec3d vector_of(const std::vector<float>& values, std::size_t i) {
+  return Vec3f{values[3 * i], values[3 * i + 1], values[3 * i + 2]}.as<double>();
+}
+
 // A load that is left out is zero.
 inline protocol::BodyLoad load_or_zero(const protocol::LoadSet& loads, std::uint32_t body) {
   const protocol::BodyLoad* found = load_on(loads.bodies, body);

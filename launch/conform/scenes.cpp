@@ -250,7 +250,9 @@ const std::vector<BuiltInScene>& built_in_scenes() {
                                                 {"inlets", Role::dem, inlets_scene},
                                                 {"outlet", Role::dem, outlet_scene},
                                                 {"basin", Role::sph, basin_scene},
-                                                {"block", Role::sph, block_scene}};
+                                                {"block", Role::sph, block_scene},
+                                                {"spout", Role::sph, spout_scene},
+                                                {"drain", Role::sph, drain_scene}};
   return scenes;
 }
 

@@ -172,6 +172,8 @@ void SceneView::view_liquid(const std::vector<protocol::NamedMesh>& meshes) {
   view_.liquid_count = liquids_.size();
   view_.liquids = liquids_.data();
   view_walls(sph.walls, meshes);
+  // What presses on an inlet is a load on the ground.
+  if (!sph.inlets.empty()) ground_has_walls_ = true;
   set_domain(sph.micro_step, sph.domain);
 }
 

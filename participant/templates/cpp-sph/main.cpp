@@ -167,6 +167,8 @@ class Lump : public kit::LiquidSolver {
     if (mass_ == 0)
       throw kit::Error(kit::Code::scene, "nothing is filled", "sph.liquids", "give a box in \"fill\"");
     start_ = (1 / mass_) * start_;
+    // Of the centres of the particles.
+    lower_ = lower_ + Vec{0.5 * s, 0.5 * s, 0.5 * s}, upper_ = upper_ - Vec{0.5 * s, 0.5 * s, 0.5 * s};
     const std::size_t n = particles_.size() / 3;
     for (std::uint32_t i = 0; i < n; ++i) id_.push_back(i);
     pressure_.assign(n, 0), density_.assign(n, static_cast<float>(liquid.density));
@@ -203,7 +205,7 @@ class Lump : public kit::LiquidSolver {
   double g_ = 0, top_ = 0;       // [m/s2]; height of the surface against gravity [m]
   double mass_ = 0, omega_ = 0;  // [kg]; of the spring [1/s]
   Vec start_, anchor_;           // centre at the start; where the spring is fixed, in the frame of the vessel
-  Vec lower_, upper_;            // of the liquid at the start
+  Vec lower_, upper_;            // of the particles at the start
   Memory now_, saved_;
   std::vector<double> particles_, position_;  // at the start; now
   std::vector<float> velocity_, pressure_, density_;

@@ -302,6 +302,20 @@ class Templates(Case):
         self.assertRegex(self.tandem(path, *foreign, expect=2),
                          r"sph\.liquids 'water': the scene asks for liquid.inside, which py_sph 0.1 does not know")
 
+    def test_what_a_liquid_cannot_show_ends_the_run(self):
+        path, *foreign = self.project("sph")
+        text = path.read_text()
+        for changes, why in (({'"length": 0.4867': '"length": 0.8'}, "the liquid: would leave its vessel"),
+                             ({"[0, 0, 1]": "[0, 1, 0]", "prismatic": "revolute", '"point_b": [0, 0, 0]': '"point_b": [0.1, 0, 0]'},
+                              "the body with the walls: turns by more than 0.1 rad"),
+                             ({"-0.3]": "-0.1001]", '"length": 0.4867': '"length": 0.497'}, "sph.domain: leaves the domain")):
+            scene = text
+            for old, new in changes.items():
+                self.assertIn(old, scene)
+                scene = scene.replace(old, new)
+            path.write_text(scene)
+            self.assertRegex(self.tandem(path, *foreign, expect=3), why)
+
     def test_a_start_that_it_does_not_know_is_refused(self):
         scene = self.project("dem")[0]  # with a plate on a spring
         text = json.loads(scene.read_text())
@@ -332,6 +346,78 @@ class Templates(Case):
         self.assertLess(abs(summary["momentum_balance"]), 1e-12)
         counts = re.findall(r'TopologyType="Polyvertex" NumberOfElements="(\d+)"', (self.folder / "out/particles.xdmf").read_text())
         self.assertEqual(int(counts[-1]), 64 - summary["lost_particles"])
+
+
+class Liquids(Case):
+    """The judge's checks of inlets and outlets, on a liquid that flies freely and on one with a fault."""
+    SOLVER = '''
+import numpy as np
+from tandem import participant
+
+class Flight(participant.LiquidSolver):
+    features = ["outlet", "liquid.inlet"]
+    follows_path = window_mean = True
+
+    def configure(self, c):
+        liquid, s, sph = c.liquids[0], c.spacing, c.scene["sph"]
+        self.s, self.mass = s, liquid.density * s**3
+        axes = lambda box: [np.arange(a + s / 2, b, s) for a, b in box.T]
+        self.x = np.concatenate([np.stack(np.meshgrid(*axes(b)), -1).reshape(-1, 3) for b in liquid.boxes])
+        self.v = np.tile(liquid.velocity, (len(self.x), 1))
+        self.id, self.layers = np.arange(len(self.x)), 0
+        self.inlet, self.drain = sph.get("inlets"), sph.get("outlets")
+
+    def advance(self, motion, loads):
+        H, account = motion.window.length, loads.account
+        account["micro_steps"], account["micro_step"] = 1, H
+        account["momentum_begin"] = self.mass * self.v.sum(0)
+        self.x = self.x + H * self.v
+        if self.drain:
+            out = self.x[:, 0] > self.drain[0]["region"]["point"][0]
+            account["lost_momentum"] = self.mass * self.v[out].sum(0)
+            self.x, self.v, self.id = self.x[~out], self.v[~out], self.id[~out]
+        if self.inlet and motion.window.end * 1e-9 * 0.5 > (self.layers + 1) * self.s:
+            self.layers += 1
+            y, z = np.meshgrid((np.arange(7) - 3) * self.s, (np.arange(3) - 1) * self.s)
+            layer = np.stack([np.full(21, 0.1), y.ravel(), z.ravel()], -1)
+            self.x, self.id = np.concatenate([self.x, layer]), np.arange(len(self.id) + 21)
+            self.v = np.concatenate([self.v, np.tile([0.5, 0, 0], (21, 1))])
+            account["lost_momentum"] = [-21 * self.mass * 0.5, 0, 0]
+        account["momentum_end"] = self.mass * self.v.sum(0)
+        account["kinetic_energy"] = self.mass * np.sum(self.v**2) / 2
+
+    def observe(self):
+        return self.id, self.x, self.v
+
+participant.run(Flight(), "flight", "1")
+'''
+
+    def judged(self, old="", new=""):
+        """The outcomes of both checks with this change of the solver."""
+        self.assertIn(old, self.SOLVER)
+        (self.folder / "flight.py").write_text(self.SOLVER.replace(old, new) if old else self.SOLVER)
+        said = subprocess.run([BIN / "tandem", "conform", f"{PYTHON} {self.folder}/flight.py", "--role", "sph", "--check", "liquid_inlet",
+                               "--check", "liquid_outlet"], capture_output=True, text=True, timeout=120, check=False,
+                              env={**os.environ, "PYTHONPATH": str(SOURCES / "python")})
+        print(said.stdout)
+        return [line.split()[0] for line in said.stdout.splitlines()[:2]]
+
+    def test_a_liquid_without_a_fault_passes(self):
+        self.assertEqual(self.judged(), ["PASS", "PASS"])
+
+    def test_faults_are_found(self):
+        for old, new, inlet, outlet in (
+                ('account["lost_momentum"] = self.mass * self.v[out].sum(0)', "pass", "PASS", "FAIL"),
+                ('account["lost_momentum"] = [-21 * self.mass * 0.5, 0, 0]', "pass", "FAIL", "PASS"),
+                ("self.id[~out]", "self.id[:len(self.id) - out.sum()]", "PASS", "FAIL"),
+                ("> self.drain[0]", "- 0.1 > self.drain[0]", "PASS", "FAIL"),
+                ("* 1e-9 * 0.5 >", "* 1e-9 * 0.2 >", "FAIL", "PASS"),
+                ("np.arange(7) - 3) * self.s, (np.arange(3) - 1)", "np.arange(3) - 1) * self.s, (np.arange(7) - 3)", "FAIL", "PASS"),
+                ("np.full(21, 0.1)", "np.full(21, 0.2)", "FAIL", "PASS"),
+                ("np.tile([0.5, 0, 0]", "np.tile([0, 0, 0.5]", "FAIL", "PASS"),
+                ('account["kinetic_energy"]', 'account["lost_particles"] = 1; account["kinetic_energy"]', "FAIL", "FAIL")):
+            with self.subTest(new):
+                self.assertEqual(self.judged(old, new), [inlet, outlet])
 
 
 if __name__ == "__main__":
