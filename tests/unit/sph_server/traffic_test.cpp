@@ -77,13 +77,13 @@ double mean_height(TrafficRun& run) {
 TEST(Inlet, HasLayersOfParticlesAndAPiston) {
   scene::Sph sph;
   sph.spacing = 0.01;
-  scene::LiquidInlet& of = sph.inlets.emplace_back();
+  scene::LiquidInlet of;
   of.shape = scene::RectangleShape{0.04, 0.02};
   of.flow = 4e-4;  // 0.5 m/s
   of.start = 1;
   of.end = 2;
-  sph.inlets.push_back(of);
-  sph.inlets.back().shape = scene::DiscShape{0.03};
+  sph.inlets = {of, of};
+  sph.inlets[1].shape = scene::DiscShape{0.03};
   const std::vector<sph::Inlet> inlets = sph::inlets_of(sph);
   EXPECT_EQ(inlets[0].site.size(), 8u);
   EXPECT_NEAR(inlets[0].thickness, 0.01, 1e-15);
