@@ -6,9 +6,8 @@
 // - for the duration of an impact, and for some more while the point bounces, steps are a part of that
 //   duration, and grow after it; they do so again where loads make a contact vibrate, and a longer step is
 //   repeated;
-// - a contact that begins or ends at a rate at which bodies that are pressed together flicker is faint: no
-// step
-//   ends there, and no impact is resolved;
+// - a contact is faint that begins or ends at a rate at which bodies that are pressed together flicker: no
+//   step ends there, and no impact is resolved;
 // - after each step, friction that slides moves the ends of its spring (contact_force.hpp), so that the
 //   spring has the force with which the step ended.
 #pragma once

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
 #include "common/error.hpp"
 #include "particles/serving/boundary.hpp"
@@ -37,6 +39,17 @@ Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth) {
   for (const scene::LiquidInlet& inlet : sph.inlets) speed = std::max(speed, inlet.speed());
   liquid.sound_speed = given.sound_speed.value_or(suggested_sound_speed(speed, norm(gravity), depth));
   return liquid;
+}
+
+// Of a speed of sound by rule beyond that of water: a unit is wrong, or the liquid is no longer
+// incompressible.
+std::optional<std::string> warning_of_speed(const scene::Liquid& given, const Liquid& liquid) {
+  constexpr double water = 1500;  // [m/s]
+  if (given.sound_speed || liquid.sound_speed <= water) return std::nullopt;
+  return fmt::format(
+      "sph: the speed of sound of the computation is {:.3g} m/s by rule, more than that of water, since the "
+      "liquid of this scene reaches {:.3g} m/s: are velocities in m/s, flows in m3/s and lengths in m?",
+      liquid.sound_speed, largest_mach * liquid.sound_speed);
 }
 
 // Refuses a given speed of sound that is too low for the liquid as it starts.
@@ -94,6 +107,7 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   }
   check_start(start.sites, scene, start.walls, start.poses);
   start.warnings = open_faces(scene, meshes, start.insides, start.setup, start.poses);
+  if (const auto warning = warning_of_speed(liquid, start.setup.liquid)) start.warnings.push_back(*warning);
   start.setup.domain = sph.domain;
   start.setup.periods = periods_of(sph);
   if (!start.inlets.empty()) {

@@ -187,6 +187,20 @@ TEST(LiquidStart, RefusesASpeedOfSoundThatIsTooLow) {
                sph::prepare_start(parsed, {}).setup.liquid.sound_speed, 1e-9);
 }
 
+TEST(LiquidStart, WarnsOfASpeedBeyondThatOfALiquid) {
+  json scene = vat();
+  const auto warnings = [&] {
+    return sph::prepare_start(scene::parse(scene.dump(), "vat.json"), {}).warnings;
+  };
+  scene["sph"]["liquids"][0]["velocity"] = {100, 0, 0};
+  EXPECT_TRUE(warnings().empty());
+  scene["sph"]["liquids"][0]["velocity"] = {637, 0, 0};  // given in mm/s
+  ASSERT_EQ(warnings().size(), 1u);
+  EXPECT_NE(warnings()[0].find("reaches 637 m/s: are velocities in m/s"), std::string::npos) << warnings()[0];
+  scene["sph"]["liquids"][0]["sound_speed"] = 6370;
+  EXPECT_TRUE(warnings().empty()) << "the user has said so";
+}
+
 TEST(LiquidStart, FrictionIsThatOfThePair) {
   json scene = vat();
   const auto slip = [&] { return sph::prepare_start(scene::parse(scene.dump(), "vat.json"), {}).setup.slip; };
