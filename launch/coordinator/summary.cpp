@@ -349,7 +349,8 @@ std::string Summary::table() const {
     row("particles", not_reported(protocol::Role::dem));
   }
   if (const protocol::SphFacts& sph = facts_.sph; sph.particles) {
-    std::string liquid = fmt::format("{} particles", *sph.particles);
+    const bool comes = sph.came_in.value_or(0) + sph.went_out.value_or(0) > 0;
+    std::string liquid = fmt::format("{} particles{}", *sph.particles, comes ? " at the start" : "");
     if (sph.backend) liquid += " on " + *sph.backend;
     if (sph.precision) liquid += ", " + *sph.precision;
     row("liquid", liquid);
