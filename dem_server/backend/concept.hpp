@@ -10,6 +10,7 @@
 #include <span>
 
 #include "common/host_device.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/base/group.hpp"
 
 namespace tandem::dem {

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "dem_server/laws/history.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/base/fixed_point.hpp"
 
 namespace tandem::dem {

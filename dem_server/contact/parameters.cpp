@@ -120,7 +120,7 @@ std::vector<std::uint32_t> kinds_of(const Parameters<Real>& p, const Spheres& s)
   return of;
 }
 
-Periods periods_of(const scene::Dem& dem, double largest_radius, double largest_skin) {
+Periods periods_for_spheres(const scene::Dem& dem, double largest_radius, double largest_skin) {
   Periods p = periods_of(dem);
   const auto unit = LengthUnit<float>::for_lengths(counted_length(largest_radius, largest_skin));
   for (int a = 0; a < 3; ++a)
@@ -147,7 +147,7 @@ Parameters<Real> make_parameters(const scene::Scene& scene, const Spheres& spher
   p.centres = centre_unit(p.unit, dem);
   p.domain_min = p.centres.of(dem.domain.min);
   p.domain_max = p.centres.of(dem.domain.max);
-  p.periods = periods_of(dem, largest_radius, largest_skin);
+  p.periods = periods_for_spheres(dem, largest_radius, largest_skin);
   for (int a = 0; a < 3; ++a) {
     p.period[a] = p.unit.count(p.periods.length[a]);
     if (!(p.periods.length[a] > 0)) continue;

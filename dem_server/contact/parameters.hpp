@@ -6,6 +6,7 @@
 
 #include "common/scene/model.hpp"
 #include "dem_server/laws/coefficients.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/base/arithmetic.hpp"
 #include "particles/base/fixed_point.hpp"
 #include "particles/geometry/periods.hpp"
@@ -137,7 +138,7 @@ inline double counted_length(double largest_radius, double largest_skin) {
 
 // The periods of a scene, rounded to whole quanta of positions in mixed precision: by less than 1e-9 of the
 // largest diameter. Double precision uses the same rounded periods.
-Periods periods_of(const scene::Dem& dem, double largest_radius, double largest_skin);
+Periods periods_for_spheres(const scene::Dem& dem, double largest_radius, double largest_skin);
 
 // Error{scene} for more materials than the table holds.
 template <class Real>

@@ -16,6 +16,7 @@
 #include "dem_server/coupling/load_solver.hpp"
 #include "dem_server/engine/wall_rows.hpp"
 #include "dem_server/laws/step_limits.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/base/memory.hpp"
 #include "particles/grid/size_levels.hpp"
 #include "particles/io/fill.hpp"
@@ -76,8 +77,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         "output.particles", "leave spheres out of frames (\"output\": {\"particles\": false}), or use fewer");
   const double largest = *std::max_element(radii.begin(), radii.end());
   const SkinRange skins = skins_of(*scene_.dem, radii);
-  const SizeLevels levels =
-      make_size_levels(scene_.dem->domain, periods_of(*scene_.dem, largest, skins.largest), radii, skins, 0);
+  const SizeLevels levels = make_size_levels(
+      scene_.dem->domain, periods_for_spheres(*scene_.dem, largest, skins.largest), radii, skins, 0);
   std::vector<double> finest;
   std::ranges::copy_if(radii, std::back_inserter(finest),
                        [&](double r) { return r <= levels.largest_of_finest; });

@@ -12,12 +12,15 @@
 #include "dem_server/coupling/sensors.hpp"
 #include "dem_server/coupling/traffic.hpp"
 #include "dem_server/engine/engine.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/serving/boundary.hpp"
 #include "protocol/participant/solver.hpp"
 
-namespace tandem::dem {
-
+namespace tandem::particles {
 struct Fill;
+}
+
+namespace tandem::dem {
 
 class Solver final : public protocol::LoadSolver {
  public:

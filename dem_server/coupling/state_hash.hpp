@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "dem_server/particles.hpp"
 #include "particles/state/particles.hpp"
 
 namespace tandem::dem {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "dem_server/particles.hpp"
 #include "particles/io/random.hpp"
 
 namespace tandem::dem {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "dem_server/laws/contact.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/base/arithmetic.hpp"
 
 namespace tandem::dem {

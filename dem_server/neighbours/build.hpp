@@ -18,6 +18,7 @@
 
 #include "dem_server/contact/view.hpp"
 #include "dem_server/neighbours/search.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/base/fetch.hpp"
 #include "particles/base/group.hpp"
 #include "particles/geometry/facet_contact.hpp"

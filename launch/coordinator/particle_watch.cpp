@@ -179,7 +179,7 @@ std::optional<double> ParticleWatch::angular_momentum_balance() const {
 // ---- frames
 
 void ParticleWatch::expect_start(const ParticlesFrame& frame) {
-  const dem::Fill start = std::exchange(spheres_.start, {});
+  const particles::Fill start = std::exchange(spheres_.start, {});
   if (frame.time != Nanoseconds{}) return;
   for (std::size_t i = 0; i < frame.id.size(); ++i) {
     const std::uint32_t id = frame.id[i];

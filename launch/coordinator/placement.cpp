@@ -68,10 +68,11 @@ class Placing {
     for (std::size_t i = 0; i < groups().size(); ++i) {
       const auto* fill = std::get_if<scene::PackingFill>(&groups()[i].fill);
       if (fill == nullptr) continue;
-      const std::vector<dem::NamedParticles> read = particles_in(file_);
+      const std::vector<particles::NamedParticles> read = particles_in(file_);
       try {
-        dem::Placement placement = dem::place(given_, i, file_.meshes, dem::make_fixed(known_, read),
-                                              dem::make_fill(known_, read), 0);
+        particles::Placement placement =
+            particles::place(given_, i, file_.meshes, particles::make_fixed(known_, read),
+                             particles::make_fill(known_, read), 0);
         const scene::ParticleFile spheres{std::move(placement.position), std::move(placement.radius), {}, {}};
         expect_in_domain(spheres, *given_.dem, place_of(i),
                          "enlarge dem.domain, or give a level or mass that leaves the spheres in it");

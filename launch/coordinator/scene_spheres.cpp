@@ -27,8 +27,8 @@ std::vector<std::uint32_t> SceneSpheres::group_by_id() const {
   return of_sphere;
 }
 
-std::vector<dem::NamedParticles> particles_in(const SceneFile& file) {
-  std::vector<dem::NamedParticles> read;
+std::vector<particles::NamedParticles> particles_in(const SceneFile& file) {
+  std::vector<particles::NamedParticles> read;
   for (const protocol::NamedText& text : file.files)
     read.push_back({text.name, scene::read_particle_file(text.text, text.name)});
   return read;
@@ -37,10 +37,10 @@ std::vector<dem::NamedParticles> particles_in(const SceneFile& file) {
 SceneSpheres spheres_of(const SceneFile& file) {
   const scene::Dem& of_scene = file.scene.dem.value();
   SceneSpheres all;
-  dem::Fill fill = dem::make_fill(file.scene, particles_in(file));
+  particles::Fill fill = particles::make_fill(file.scene, particles_in(file));
   all.at_start = fill.radius.size();
   all.start = fill;
-  dem::append_waiting(dem::make_inlets(file.scene), file.scene, fill);
+  particles::append_waiting(particles::make_inlets(file.scene), file.scene, fill);
   all.in_all = fill.radius.size();
 
   // Smallest radius of each material.

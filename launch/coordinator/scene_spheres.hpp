@@ -27,7 +27,7 @@ struct SceneSpheres {
   Vec3d momentum;                                 // [kg m/s]
   double momentum_size = 0, momentum_spread = 0;  // sum of m |v| [kg m/s]
   double critical_time = 0;                       // the shortest of all spheres, infinite without one [s]
-  dem::Fill start;                                // of the spheres at the start
+  particles::Fill start;                          // of the spheres at the start
 
   const Group& group_of(std::uint32_t id) const;   // id < in_all
   std::vector<std::uint32_t> group_by_id() const;  // index in dem.particles of each sphere
@@ -36,9 +36,9 @@ struct SceneSpheres {
 double sphere_mass(double density, double radius);
 
 // The particle files of the scene.
-std::vector<dem::NamedParticles> particles_in(const SceneFile& file);
+std::vector<particles::NamedParticles> particles_in(const SceneFile& file);
 
-// Throws the errors of dem::make_fill().
+// Throws the errors of particles::make_fill().
 SceneSpheres spheres_of(const SceneFile& file);
 
 }  // namespace tandem::launch

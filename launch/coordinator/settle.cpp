@@ -36,7 +36,7 @@ Json body_at_rest(const Json& body) {
 }
 
 // Energy of a fall through the radius, of the sphere for which it is least [J].
-double least_fall(const dem::Fill& fill, const scene::Scene& scene) {
+double least_fall(const particles::Fill& fill, const scene::Scene& scene) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < fill.radius.size(); ++i) {
     const double r = fill.radius[i];
@@ -61,7 +61,8 @@ protocol::MotionSet at_rest(const scene::Scene& scene) {
 }
 
 // The spheres of each group. None has left: they are in the order of the fill.
-Settled spheres_in(const protocol::ParticlesFrame& frame, const dem::Fill& fill, const scene::Scene& scene) {
+Settled spheres_in(const protocol::ParticlesFrame& frame, const particles::Fill& fill,
+                   const scene::Scene& scene) {
   Settled settled;
   const auto row = [](const auto& values, std::size_t i) {
     return Vec3d{values[3 * i], values[3 * i + 1], values[3 * i + 2]};
@@ -110,7 +111,7 @@ std::string settling_scene(const std::string& text) {
 Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleOn& on) {
   const std::string where = file.origin + ": dem.settle", text = settling_scene(file.text);
   scene::Scene scene = scene::parse(text, file.origin);
-  const dem::Fill fill = dem::make_fill(scene, particles_in(file));
+  const particles::Fill fill = particles::make_fill(scene, particles_in(file));
   const auto spheres = static_cast<double>(fill.radius.size());
   if (const double most = largest_bound_share * least_fall(fill, scene); settle.kinetic_energy > most)
     throw Error(

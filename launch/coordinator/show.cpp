@@ -30,7 +30,7 @@ Frame start_of(const SceneFile& file) {
     frame.value.push_back(static_cast<double>(group));
   };
   if (file.scene.dem) {
-    const dem::Fill fill = spheres_of(file).start;
+    const particles::Fill fill = spheres_of(file).start;
     for (std::size_t i = 0; i < fill.radius.size(); ++i) add(fill.position[i], fill.radius[i], fill.group[i]);
   }
   if (!file.scene.sph) return frame;

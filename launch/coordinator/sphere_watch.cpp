@@ -84,7 +84,7 @@ SphereWatch::SphereWatch(const scene::Scene& scene, const SceneSpheres& spheres)
       planes_.push_back(plane);
     }
   auto first = static_cast<std::uint32_t>(spheres.at_start);
-  for (dem::Inlet& inlet : dem::make_inlets(scene)) {
+  for (particles::Inlet& inlet : particles::make_inlets(scene)) {
     const auto count = static_cast<std::uint32_t>(inlet.due.size());
     entrances_.push_back({inlet.name, inlet.fill, inlet.velocity, first, std::move(inlet.due)});
     first += count;

@@ -109,10 +109,10 @@ int tandem_pose_at(const tandem_body_motion* motion, const tandem_window* window
                        fmt::format("{} s is not in the window of {} s", seconds, length).c_str(),
                        "tandem_pose_at", "give the time since the window's begin");
   try {
-    const dem::PreparedPath path =
-        dem::prepare_path({read_pose(motion->begin_pose), read_pose(motion->end_pose),
-                           read_twist(motion->begin_twist), read_twist(motion->end_twist)},
-                          length);
+    const particles::PreparedPath path =
+        particles::prepare_path({read_pose(motion->begin_pose), read_pose(motion->end_pose),
+                                 read_twist(motion->begin_twist), read_twist(motion->end_twist)},
+                                length);
     const double s = seconds / length;
     if (pose) {
       if (s <= 0) {
@@ -120,14 +120,14 @@ int tandem_pose_at(const tandem_body_motion* motion, const tandem_window* window
       } else if (s >= 1) {
         *pose = motion->end_pose;
       } else {
-        const Vec3d p = dem::pose_on_path(path, s).p;
-        const Quat q =
-            dem::small_exp(dem::rotation_on_path(path, dem::HermiteBasis(s))) * path.segment.begin.q_WB;
+        const Vec3d p = particles::pose_on_path(path, s).p;
+        const Quat q = particles::small_exp(particles::rotation_on_path(path, particles::HermiteBasis(s))) *
+                       path.segment.begin.q_WB;
         *pose = {{p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
       }
     }
     if (twist) {
-      const auto [v, w] = s <= 0 ? path.segment.begin_twist : dem::twist_on_path(path, s);
+      const auto [v, w] = s <= 0 ? path.segment.begin_twist : particles::twist_on_path(path, s);
       *twist = {{v.x, v.y, v.z}, {w.x, w.y, w.z}};
     }
     return TANDEM_OK;

@@ -218,11 +218,11 @@ void SceneView::view_walls(const std::vector<scene::Wall>& walls,
 }
 
 void SceneView::view_spheres(const std::vector<protocol::NamedText>& files) {
-  std::vector<dem::NamedParticles> read;
+  std::vector<particles::NamedParticles> read;
   read.reserve(files.size());
   for (const protocol::NamedText& file : files)
     read.push_back({file.name, scene::read_particle_file(file.text, file.name)});
-  const dem::Fill fill = dem::make_fill(scene_, read);
+  const particles::Fill fill = particles::make_fill(scene_, read);
   for (const Vec3d& p : fill.position) append(position_, p);
   for (const Vec3d& v : fill.velocity) append(velocity_, v);
   for (const Vec3d& w : fill.spin) append(spin_, w);

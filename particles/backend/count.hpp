@@ -8,7 +8,7 @@
 
 #include "particles/backend/traits.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 template <class Traits>
 class CountExec : public Traits {
@@ -39,4 +39,4 @@ class CountExec : public Traits {
   }
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

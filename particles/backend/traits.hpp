@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct CpuTraits {
   static constexpr bool on_host = true;         // buffers are memory of the host
@@ -17,4 +17,4 @@ struct CudaTraits {
   static constexpr std::size_t read_ahead = 32;
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -11,7 +11,7 @@
 
 #include "common/host_device.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Square root of x >= 2^-100.
 TANDEM_HD inline double root(double x) {
@@ -66,4 +66,4 @@ TANDEM_HD inline double nearest_single(double x) {
   return std::bit_cast<double>((std::bit_cast<std::uint64_t>(x) + (std::uint64_t{1} << 28)) & ~beyond_float);
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

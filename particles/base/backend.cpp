@@ -6,7 +6,7 @@
 #include "common/error.hpp"
 #include "common/utf8.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 #if !TANDEM_HAS_CUDA
 bool cuda_present() {
@@ -48,4 +48,4 @@ std::string device_name(Backend backend) {
   return "unknown CPU";
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 enum class Backend { cpu, cuda };
 
@@ -15,4 +15,4 @@ std::string device_name(Backend backend);
 bool cuda_built();
 bool cuda_present();
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 
 #include "common/error.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 inline void check_cuda(cudaError_t status, const char* doing) {
   if (status != cudaSuccess)
@@ -16,4 +16,4 @@ inline void check_cuda(cudaError_t status, const char* doing) {
                 status == cudaErrorMemoryAllocation ? "use fewer spheres or --backend cpu" : "");
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -1,7 +1,7 @@
 #include "particles/base/backend.hpp"
 #include "particles/base/check_cuda.cuh"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 std::string cuda_device_name();
 std::size_t cuda_free_memory();
@@ -23,4 +23,4 @@ std::size_t cuda_free_memory() {
   return available;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

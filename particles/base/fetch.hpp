@@ -6,7 +6,7 @@
 
 #include "common/host_device.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 #if defined(__CUDA_ARCH__)
 template <class T>
@@ -46,4 +46,4 @@ TANDEM_HD void store(T* to, const T& value) {
 #endif
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

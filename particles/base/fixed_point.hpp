@@ -8,7 +8,7 @@
 
 #include "common/math/vec3.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Quantum of a sum: a power of two, so that scaling is exact.
 struct Quantum {
@@ -56,4 +56,4 @@ TANDEM_HD inline Vec3d rounded(Vec3d value, Quantum q) {
           from_fixed(to_fixed(value.z, q), q)};
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

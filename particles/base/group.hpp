@@ -7,7 +7,7 @@
 
 #include "common/host_device.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // The numbers [begin, end), with a note that applies to all of them.
 struct Run {
@@ -38,4 +38,4 @@ struct OneThread {
   TANDEM_HD std::uint32_t before(bool) const { return 0; }
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

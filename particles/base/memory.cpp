@@ -12,7 +12,7 @@
 #include "common/control_groups.hpp"
 #include "common/error.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 namespace fs = std::filesystem;
 
@@ -111,4 +111,4 @@ void expect_memory(const MemoryNeed& need, std::size_t available) {
               need.where + " memory", remedy);
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

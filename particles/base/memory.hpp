@@ -7,7 +7,7 @@
 
 #include "particles/base/backend.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Free memory of the device, or the memory that the host can still provide [bytes].
 std::size_t available_memory(Backend backend);
@@ -26,4 +26,4 @@ struct MemoryNeed {
 // Error{resource} with the figures when the need exceeds `available` [bytes].
 void expect_memory(const MemoryNeed& need, std::size_t available);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -4,7 +4,7 @@
 
 #include "common/cores.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 namespace {
 
@@ -64,4 +64,4 @@ void ThreadPool::work(unsigned thread) {
   }
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 class ThreadPool {
  public:
@@ -31,4 +31,4 @@ class ThreadPool {
   std::atomic<bool> leaving_{false};
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

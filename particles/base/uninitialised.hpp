@@ -6,7 +6,7 @@
 
 #include "common/host_device.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 template <class T, int N>
 struct UninitialisedArray {
@@ -19,4 +19,4 @@ struct UninitialisedArray {
   TANDEM_HD const T& operator[](int i) const { return data()[i]; }
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 #include "common/error.hpp"
 #include "particles/geometry/touch_facet.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
@@ -83,4 +83,4 @@ double extent_of(const Facet& analytic) {
   return std::hypot(std::abs(origin.along) + analytic.half_height(), origin.rho + analytic.radius());
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 #include "common/scene/model.hpp"
 #include "particles/geometry/facet.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // True for planes, spheres, and cylinders without `segments`. Boxes are not among them, because triangles
 // represent their flat faces exactly.
@@ -27,4 +27,4 @@ double smaller_radius(const Facet& facet, double radius);
 // Bound of the distance of the facet's points from the body's origin; infinite for unbounded facets [m].
 double extent_of(const Facet& analytic);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -5,7 +5,7 @@
 
 #include "common/math/rotation.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 enum class FacetKind : std::uint32_t { triangle, plane, cylinder, disc, ball };
 
@@ -79,4 +79,4 @@ TANDEM_HD inline NearFacets near_facets(const FacetGrid& grid, const std::uint32
   return near;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

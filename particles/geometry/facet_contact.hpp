@@ -5,7 +5,7 @@
 #include "particles/base/uninitialised.hpp"
 #include "particles/geometry/touch_facet.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 inline constexpr int max_wall_contacts = 8;       // of one sphere with one body
 inline constexpr int wall_contact_overflow = -1;  // returned when `capacity` is too small
@@ -253,4 +253,4 @@ TANDEM_HD int collect_few_wall_contacts(Vec3d centre_B, double radius, const Nea
   return 1;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 
 #include "common/error.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 struct CellBox {
@@ -222,4 +222,4 @@ FacetGrid make_facet_grid(std::span<const Facet> facets, std::uint32_t first_fac
   }
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 
 #include "particles/geometry/facet.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Limits for one grid; cells become larger until it keeps them.
 struct GridBudget {
@@ -23,4 +23,4 @@ FacetGrid make_facet_grid(std::span<const Facet> facets, std::uint32_t first_fac
                           GridBudget budget, std::vector<std::uint32_t>& cell_start,
                           std::vector<std::uint32_t>& cell_facet);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

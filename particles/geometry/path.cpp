@@ -7,7 +7,7 @@
 
 #include "common/error.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 // Jl(phi)^-1 v, Jl^-1 = I - [phi]/2 + (1/t^2 - (1 + cos)/(2 t sin)) [phi]^2 ([Chirikjian2012] eq. 10.86).
@@ -64,4 +64,4 @@ PreparedPath prepare_path(const PathSegment& segment, double H, const char* body
   return path;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -12,7 +12,7 @@
 
 #include "common/math/rotation.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct PathSegment {
   Pose begin, end;
@@ -133,4 +133,4 @@ struct FillPoses {
   }
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

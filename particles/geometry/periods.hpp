@@ -7,7 +7,7 @@
 #include "common/math/vec3.hpp"
 #include "common/scene/model.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct Periods {
   Vec3d min;     // where the domain begins [m]
@@ -54,4 +54,4 @@ TANDEM_HD constexpr Image image_below(int axis) {
   return static_cast<Image>(2u << (2 * axis));
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <unordered_map>
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 using Index = std::uint32_t;
@@ -115,4 +115,4 @@ std::vector<Index> smooth_patches(const TriangleMesh& mesh) {
   return patch;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -6,7 +6,7 @@
 
 #include "common/geometry/triangle_mesh.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Triangles that share an edge belong to one patch when the surface bends there by at most this angle.
 inline constexpr double smooth_angle = 25;  // [deg]
@@ -16,4 +16,4 @@ inline constexpr double smooth_angle = 25;  // [deg]
 // sides of a triangle are walls.
 std::vector<std::uint32_t> smooth_patches(const TriangleMesh& mesh);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -13,7 +13,7 @@
 #include "particles/geometry/periods.hpp"
 #include "particles/geometry/smooth_patches.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 // For all grids together: 8 MiB of cells and 32 MiB of lists, but never less than the facets of a body need.
@@ -220,4 +220,4 @@ Surface make_surface(const scene::Scene& scene, const std::vector<NamedMesh>& me
   return surface;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

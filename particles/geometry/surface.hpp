@@ -15,7 +15,7 @@
 #include "common/scene/model.hpp"
 #include "particles/geometry/facet.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 inline constexpr std::uint32_t ground_index = 0;
 inline constexpr std::uint32_t no_belt = ~0u;
@@ -71,4 +71,4 @@ void expect_single_images(std::span<const FixedSphere> fixed, const scene::Dem& 
 // The wall or group of spheres that a patch belongs to, for messages.
 std::string patch_name(const Surface& surface, std::uint32_t patch, const scene::Dem& dem);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

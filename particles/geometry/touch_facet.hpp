@@ -7,7 +7,7 @@
 #include "particles/base/fetch.hpp"
 #include "particles/geometry/facet.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct WallContact {
   std::uint32_t patch = 0;  // names the contact: the lowest of the patches that join at `point`
@@ -170,4 +170,4 @@ TANDEM_HD inline bool touch_facet(const Facet* facets, std::uint32_t index, Vec3
   return false;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr std::uint32_t most_numbers = 1u << 31;  // of cells, limited by int
@@ -86,4 +86,4 @@ std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, d
          " spheres each: make dem.domain no larger than where spheres go";
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

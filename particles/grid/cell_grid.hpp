@@ -10,7 +10,7 @@
 #include "common/scene/model.hpp"
 #include "particles/geometry/periods.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Regular cells over the domain, numbered in blocks of 4 x 4 x 4, so that cells near in space are near in
 // memory.
@@ -61,4 +61,4 @@ CellGrid make_cell_grid(const scene::Box& domain, const Periods& periods, double
 std::string warn_of_full_cells(const CellGrid& grid, const scene::Box& domain, double needed,
                                const std::vector<double>& radii);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr double ratio_in_level = 2;
@@ -110,4 +110,4 @@ SizeLevels make_size_levels(const scene::Box& domain, const Periods& periods,
   }
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -16,7 +16,7 @@
 #include "particles/grid/cell_grid.hpp"
 #include "particles/grid/skin.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // `many` is separate code, used only in scenes that have several levels.
 enum class Levels { one, many };
@@ -60,4 +60,4 @@ TANDEM_HD inline std::int32_t cells_within(const CellGrid& grid, int axis, doubl
   return away < all ? static_cast<std::int32_t>(away) + 1 : all;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -4,7 +4,7 @@
 
 #include "common/scene/model.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii) {
   if (radii.empty()) return {};
@@ -28,4 +28,4 @@ SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii) {
   return skins;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -24,7 +24,7 @@ namespace tandem::scene {
 struct Dem;
 }
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 inline constexpr double rebuild_cost = 13, candidate_cost = 0.1;  // [micro steps]
 
@@ -67,4 +67,4 @@ inline constexpr double most_walls = 0.25, most_contacts = 1.125 * (6 / 2.0 + mo
 // Skins of a scene whose spheres have these radii [m].
 SkinRange skins_of(const scene::Dem& dem, const std::vector<double>& radii);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -8,7 +8,7 @@
 #include "particles/io/fill.hpp"
 #include "particles/io/overlaps.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 [[noreturn]] void fail(const Fill& fill, const scene::Dem& dem, std::size_t sphere,
@@ -191,4 +191,4 @@ std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface,
   return warnings;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 #include "common/scene/lattice.hpp"
 #include "particles/io/random.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 [[noreturn]] void fail(std::size_t index, const scene::ParticleGroup& group, const std::string& problem,
@@ -140,4 +140,4 @@ std::vector<FixedSphere> make_fixed(const scene::Scene& scene, const std::vector
   return fixed;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

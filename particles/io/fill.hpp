@@ -9,7 +9,7 @@
 #include "common/scene/particle_file.hpp"
 #include "particles/geometry/surface.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct Fill {
   std::vector<Vec3d> position;          // of centres, world [m] (spheres x 3)
@@ -72,4 +72,4 @@ void check_speeds(const Fill& fill, const scene::Dem& dem, double limit, const s
 std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface, const scene::Scene& scene,
                                                          double largest_radius);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

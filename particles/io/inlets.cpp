@@ -7,7 +7,7 @@
 #include "common/error.hpp"
 #include "particles/io/random.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr std::uint64_t most_spheres = 2147483647;
@@ -76,4 +76,4 @@ void append_waiting(const std::vector<Inlet>& inlets, const scene::Scene& scene,
     }
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 
 #include "particles/io/fill.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // A group of scene.dem.particles whose fill is an inlet.
 struct Inlet {
@@ -27,4 +27,4 @@ std::vector<Inlet> make_inlets(const scene::Scene& scene);
 // Appends the spheres of all inlets, at the centres of their boxes.
 void append_waiting(const std::vector<Inlet>& inlets, const scene::Scene& scene, Fill& fill);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

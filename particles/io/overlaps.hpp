@@ -10,7 +10,7 @@
 #include "particles/geometry/periods.hpp"
 #include "particles/io/fill.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Spheres in cells with the edge of the median diameter. Each sphere searches those not larger than itself,
 // so that a few large spheres among many small ones stay cheap. Cells are a sorted list, because the domain
@@ -118,4 +118,4 @@ void for_wall_overlaps(const Fill& fill, std::size_t i, const Surface& surface, 
         -contact.gap / smaller_radius(surface.facets[near[k]], fill.radius[i]));
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

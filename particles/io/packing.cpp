@@ -8,7 +8,7 @@
 
 #include "particles/io/sphere_neighbours.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr double margin = 0.25;       // of the neighbour lists, relative to the radii [-]
@@ -148,4 +148,4 @@ bool is_packed(const PackedSpheres& spheres, const PackingBounds& bounds, Thread
   return packed.load();
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -8,7 +8,7 @@
 #include "common/math/vec3.hpp"
 #include "particles/base/thread_pool.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Spheres that a packing moves, and those that it must not touch.
 struct PackedSpheres {
@@ -41,4 +41,4 @@ PackingResult pack(PackedSpheres& spheres, const PackingBounds& bounds, int most
 // Whether no moving sphere overlaps another one or the boundary.
 bool is_packed(const PackedSpheres& spheres, const PackingBounds& bounds, ThreadPool& pool);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

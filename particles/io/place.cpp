@@ -13,7 +13,7 @@
 #include "particles/io/room.hpp"
 #include "particles/io/sphere_neighbours.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr double usual_void_fraction = 0.5;
@@ -246,4 +246,4 @@ Placement place(const scene::Scene& scene, std::size_t group, const std::vector<
   return Placing(scene, group, meshes, fixed, others, threads).run();
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

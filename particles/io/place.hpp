@@ -7,7 +7,7 @@
 #include "particles/geometry/surface.hpp"
 #include "particles/io/fill.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct Placement {
   std::vector<Vec3d> position;  // of centres, world [m] (spheres x 3)
@@ -26,4 +26,4 @@ struct Placement {
 Placement place(const scene::Scene& scene, std::size_t group, const std::vector<NamedMesh>& meshes,
                 const std::vector<FixedSphere>& fixed, const Fill& others, unsigned threads);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // splitmix64 [Steele2014]; the generators of std:: differ between libraries.
 class Random {
@@ -27,4 +27,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

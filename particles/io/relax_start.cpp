@@ -5,7 +5,7 @@
 #include "particles/io/fill.hpp"
 #include "particles/io/overlaps.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr int most_sweeps = 2000;
@@ -153,4 +153,4 @@ StartRelaxation relax_start(Fill& fill, const Surface& surface, const scene::Sce
   return Relaxation(fill, surface, scene).run();
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -11,7 +11,7 @@
 #include "particles/io/overlaps.hpp"
 #include "particles/io/sphere_neighbours.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -319,4 +319,4 @@ Vec3d Room::moved_inside(Vec3d p, double radius) const {
   return p;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -11,7 +11,7 @@
 #include "particles/geometry/surface.hpp"
 #include "particles/io/vertical_crossings.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // A frame whose z axis points against gravity. Its origin and its other axes are those of the wall for a
 // region inside a wall, so that a scene that is rotated as a whole gets the same packing; otherwise those of
@@ -78,4 +78,4 @@ class Room {
   double column_area_ = 0;           // [m2]
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 SphereLevels::SphereLevels(const PackedSpheres& spheres) {
   std::map<int, std::vector<std::uint32_t>> octaves;
@@ -73,4 +73,4 @@ void NeighbourList::build(const PackedSpheres& spheres, double margin, ThreadPoo
   });
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -7,7 +7,7 @@
 #include "particles/base/thread_pool.hpp"
 #include "particles/io/packing.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // Calls act(thread, begin, end) for consecutive ranges of 0..count-1, one for each thread.
 template <class Act>
@@ -78,4 +78,4 @@ class NeighbourList {
   std::vector<std::size_t> begin_;
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

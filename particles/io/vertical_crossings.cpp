@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 // Whether the edge from a to b crosses the line y towards larger x. Both triangles of an edge compute the
@@ -91,4 +91,4 @@ double lowest_open_edge(const TriangleMesh& mesh) {
   return lowest;
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

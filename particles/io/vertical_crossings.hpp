@@ -6,7 +6,7 @@
 
 #include "common/geometry/triangle_mesh.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // A grid over the triangles as seen from above. A line through an edge or a corner crosses exactly one of the
 // triangles that join there, so that the number of crossings tells inside from outside of a closed mesh.
@@ -51,4 +51,4 @@ class VerticalCrossings {
 // none: the mesh is closed.
 double lowest_open_edge(const TriangleMesh& mesh);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -6,7 +6,7 @@
 #include "common/error.hpp"
 #include "common/scene/tolerance.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 bool LastMotion::is_possible() const {
   return known <= 1 && is_finite(pose.p_WB) && scene::is_unit(std::sqrt(pose.q_WB.norm2())) &&
@@ -28,4 +28,4 @@ BodyPose pose_at_start(BodyId body, const scene::Scene& scene) {
   return {of_scene.pose.p_WB, of_scene.pose.q_WB.matrix(), of_scene.twist.v_WB, of_scene.twist.w_WB};
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

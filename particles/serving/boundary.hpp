@@ -9,7 +9,7 @@
 #include "particles/geometry/path.hpp"
 #include "protocol/messages.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct BoundaryBody {
   BodyId body;
@@ -34,4 +34,4 @@ PathSegment segment_of(const BoundaryBody& boundary, const protocol::MotionSet& 
 // Pose and twist of the scene; those of the ground are zero.
 BodyPose pose_at_start(BodyId body, const scene::Scene& scene);
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -9,7 +9,7 @@
 
 #include "common/math/vec3.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 class StateDigest {
  public:
@@ -24,4 +24,4 @@ class StateDigest {
   std::uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -20,7 +20,7 @@
 #include "particles/geometry/periods.hpp"
 #include "particles/state/particles.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 template <class Real>
 struct CentreUnit;
@@ -127,4 +127,4 @@ TANDEM_HD void set_velocity(Vec3d v, VelocityKind<Real>& velocity, [[maybe_unuse
   }
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -22,7 +22,7 @@
 
 #include "common/math/vec3.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 // The unit in which lengths are counted: metres are count * size.
 template <class Real>
@@ -162,4 +162,4 @@ struct Spheres {
   std::size_t size() const { return id.size(); }
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

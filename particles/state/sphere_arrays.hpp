@@ -6,7 +6,7 @@
 
 #include "particles/state/particles.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 template <class Real>
 struct SphereArrays {
@@ -26,4 +26,4 @@ struct SphereArrays {
   }
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -9,7 +9,7 @@
 #include "common/math/vec3.hpp"
 #include "particles/grid/skin.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 enum StepError : std::uint32_t {
   not_finite = 1u << 0,              // a sphere's velocity is not finite, or above the speed limit
@@ -141,4 +141,4 @@ struct CurrentStep {
       : step(p.step), stamp(p.stamp), state_side(p.state_side), dt(micro_step), wall_travel(p.wall_travel) {}
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -30,7 +30,7 @@ std::size_t Solver::check_memory(const LiquidStart& start) const {
                     bytes =
                         predicted_bytes(count, properties_,
                                         scene_.sph->precision == scene::LiquidPrecision::mixed, with_copy),
-                    available = dem::available_memory(dem::Backend::cpu);
+                    available = particles::available_memory(particles::Backend::cpu);
   if (bytes > available)
     throw Error(ErrorCode::resource,
                 fmt::format("the {} particles of the liquid need {:.4g} GB; {:.4g} GB are free", count,
@@ -107,7 +107,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   protocol::SphFacts facts;
   facts.particles = id_.size();
   facts.backend = "cpu";
-  facts.device = dem::device_name(dem::Backend::cpu);
+  facts.device = particles::device_name(particles::Backend::cpu);
   facts.precision = precision_name();
   facts.predicted_memory = static_cast<double>(predicted) / 1e6;
   std::vector<std::string>& left_out = facts.left_out.emplace();

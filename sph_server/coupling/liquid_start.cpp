@@ -18,8 +18,8 @@
 namespace tandem::sph {
 namespace {
 
-dem::Periods periods_of(const scene::Sph& sph) {
-  dem::Periods periods;
+particles::Periods periods_of(const scene::Sph& sph) {
+  particles::Periods periods;
   periods.min = sph.domain.min;
   for (int a = 0; a < 3; ++a)
     if (sph.periodic[static_cast<std::size_t>(a)]) periods.length[a] = sph.domain.max[a] - sph.domain.min[a];
@@ -95,7 +95,7 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   expect_sound_speed(liquid, start.setup.liquid, start.depth);
   start.walls = walls_of_bodies(scene, meshes);
   for (const BodyWalls& body : start.walls) {
-    start.poses.push_back(dem::pose_at_start(body.body, scene));
+    start.poses.push_back(particles::pose_at_start(body.body, scene));
     start.setup.walls.push_back(body.mesh);
     start.setup.slip.push_back(is_slip(sph, body.body));
   }

@@ -15,8 +15,8 @@ struct LiquidStart {
   LiquidSetup setup;
   std::vector<BodyWalls> walls;  // of setup.walls, which end with the pistons of the inlets
   std::vector<Inlet> inlets;
-  std::vector<dem::BodyPose> poses;  // of setup.walls
-  Sites sites;                       // of the boxes
+  std::vector<particles::BodyPose> poses;  // of setup.walls
+  Sites sites;                             // of the boxes
   std::vector<FilledInside> insides;
   double depth = 0;                   // of the deepest liquid [m]
   std::vector<std::string> warnings;  // of open faces, and of a unit that is likely wrong

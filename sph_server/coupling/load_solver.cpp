@@ -63,15 +63,16 @@ double Solver::next_step(double left) const {
 
 void Solver::set_paths(const protocol::MotionSet& motion) {
   paths_.clear();
-  for (const dem::BoundaryBody& body : bodies_)
-    paths_.push_back(dem::prepare_path(segment_of(body, motion), motion.window.length(), body.name.c_str()));
+  for (const particles::BoundaryBody& body : bodies_)
+    paths_.push_back(
+        particles::prepare_path(segment_of(body, motion), motion.window.length(), body.name.c_str()));
 }
 
 void Solver::watch_walls() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (bodies_[b].body == ground) continue;
     for (const double at : {0.0, 1.0}) {
-      const dem::BodyPose pose = pose_on_path(paths_[b], at);
+      const particles::BodyPose pose = pose_on_path(paths_[b], at);
       memory_.wall_speed = std::max(memory_.wall_speed, norm(pose.v) + bodies_[b].extent * norm(pose.w));
     }
   }
@@ -148,7 +149,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     const double dt = next_step(stop - t);
     const double end = stop - t - dt < 0.5 * dt ? stop : t + dt;
     poses_.clear();
-    for (const dem::PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, end / length));
+    for (const particles::PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, end / length));
     traffic_.place_pistons(start + end, passed_, poses_);
     take_step(end - t);
     add_step(t, end - t, length);
@@ -204,7 +205,7 @@ void Solver::add_step(double begin, double dt, double length) {
     sum.first_moment.force += from_middle * impulse;
     sum.first_moment.torque += from_middle * twist;
     if (bodies_[b].body == ground) continue;
-    const dem::BodyPose &from = previous_poses_[b], &to = poses_[b];
+    const particles::BodyPose &from = previous_poses_[b], &to = poses_[b];
     sum.work += dot(impulse, 0.5 * (from.v + to.v)) + dot(twist, 0.5 * (from.w + to.w));
   }
 }
@@ -325,7 +326,7 @@ std::vector<std::string> Solver::warnings_of_run() const {
 
 protocol::Report Solver::report() {
   const LiquidState state = engine_->state();
-  dem::StateDigest digest;
+  particles::StateDigest digest;
   for (std::size_t i = 0; i < state.size(); ++i) {
     digest.mix(state.position[i]);
     digest.mix(state.velocity[i]);

@@ -84,7 +84,7 @@ class Solver final : public protocol::LoadSolver {
   std::unique_ptr<LiquidEngine> engine_;
   // Of each mesh of walls, see walls_of_bodies(), and of each piston of an inlet: its body, and the place of
   // that in the loads.
-  std::vector<dem::BoundaryBody> bodies_;
+  std::vector<particles::BoundaryBody> bodies_;
   std::vector<std::size_t> load_of_;
   std::size_t bodies_loaded_ = 0;
   Sensors sensors_;
@@ -94,9 +94,9 @@ class Solver final : public protocol::LoadSolver {
   std::vector<std::uint32_t> id_, saved_id_;  // of the particles, ascending
   std::uint32_t at_start_ = 0;                // particles
   Memory memory_, saved_;
-  std::vector<dem::PreparedPath> paths_;
-  std::vector<dem::BodyPose> poses_, previous_poses_;   // of bodies_, at the ends of the present step
-  double solver_seconds_ = 0, solver_cpu_seconds_ = 0;  // in advance [s]
+  std::vector<particles::PreparedPath> paths_;
+  std::vector<particles::BodyPose> poses_, previous_poses_;  // of bodies_, at the ends of the present step
+  double solver_seconds_ = 0, solver_cpu_seconds_ = 0;       // in advance [s]
   bool warned_density_ = false, warned_mach_ = false, warned_walls_ = false;
   std::vector<std::string> warnings_;
   protocol::LoadSet loads_;

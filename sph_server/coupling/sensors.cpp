@@ -22,7 +22,7 @@ bool contains(const scene::ParticleSensor& sensor, Vec3d x) {
   return std::hypot(x.x, x.y) <= cylinder.radius && std::fabs(x.z) <= 0.5 * *cylinder.height;
 }
 
-Vec3d velocity_at(const dem::BodyPose& body, Vec3d x) {
+Vec3d velocity_at(const particles::BodyPose& body, Vec3d x) {
   return body.v + cross(body.w, x - body.p);
 }
 
@@ -66,8 +66,8 @@ std::vector<std::string> Sensors::warnings(const std::vector<Seen>& seen) const 
   return sentences;
 }
 
-dem::BodyPose Sensors::pose_of(const Sensor& sensor, std::span<const dem::BodyPose> poses) const {
-  return sensor.fixed ? dem::BodyPose{{}, Mat3d::identity(), {}, {}} : poses[sensor.wall];
+particles::BodyPose Sensors::pose_of(const Sensor& sensor, std::span<const particles::BodyPose> poses) const {
+  return sensor.fixed ? particles::BodyPose{{}, Mat3d::identity(), {}, {}} : poses[sensor.wall];
 }
 
 void Sensors::begin_window() {
@@ -77,10 +77,10 @@ void Sensors::begin_window() {
   }
 }
 
-void Sensors::add_step(double dt, std::span<const Wrench> loads, std::span<const dem::BodyPose> poses) {
+void Sensors::add_step(double dt, std::span<const Wrench> loads, std::span<const particles::BodyPose> poses) {
   for (Sensor& sensor : sensors_) {
     if (sensor.of.kind != Kind::load) continue;
-    const dem::BodyPose body = pose_of(sensor, poses);
+    const particles::BodyPose body = pose_of(sensor, poses);
     Vec3d force, torque;
     for (const std::size_t w : sensor.walls) {
       force += loads[w].force;
@@ -93,7 +93,7 @@ void Sensors::add_step(double dt, std::span<const Wrench> loads, std::span<const
   }
 }
 
-void Sensors::measure_region(const Sensor& sensor, const dem::BodyPose& body, const LiquidState& state,
+void Sensors::measure_region(const Sensor& sensor, const particles::BodyPose& body, const LiquidState& state,
                              double length, Seen& seen) {
   const scene::LiquidSensor& of = sensor.of;
   const Mat3d own = of.pose.q_WB.matrix();
@@ -129,14 +129,15 @@ void Sensors::measure_region(const Sensor& sensor, const dem::BodyPose& body, co
   values_.push_back(seen.passed);
 }
 
-const std::vector<double>& Sensors::measure(const LiquidState& state, std::span<const dem::BodyPose> poses,
-                                            double length, std::vector<Seen>& seen) {
+const std::vector<double>& Sensors::measure(const LiquidState& state,
+                                            std::span<const particles::BodyPose> poses, double length,
+                                            std::vector<Seen>& seen) {
   for (std::uint32_t w = 0; w < walls_.bodies(); ++w) walls_.set_pose(w, poses[w]);
   const Probe probe(state, liquid_, periods_, walls_);
   values_.clear();
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
     const Sensor& sensor = sensors_[k];
-    const dem::BodyPose body = pose_of(sensor, poses);
+    const particles::BodyPose body = pose_of(sensor, poses);
     const Vec3d point = body.p + body.R * sensor.of.pose.p_WB;
     switch (sensor.of.kind) {
       case Kind::region:

@@ -33,9 +33,9 @@ class Sensors {
 
   void begin_window();
   // The loads on the walls over a step of dt [s] at whose begin they had these poses.
-  void add_step(double dt, std::span<const Wrench> loads, std::span<const dem::BodyPose> poses);
+  void add_step(double dt, std::span<const Wrench> loads, std::span<const particles::BodyPose> poses);
   // The values of the columns of sph.sensors. `length`: of the window that ends now [s], 0 at the start.
-  const std::vector<double>& measure(const LiquidState& state, std::span<const dem::BodyPose> poses,
+  const std::vector<double>& measure(const LiquidState& state, std::span<const particles::BodyPose> poses,
                                      double length, std::vector<Seen>& seen);
 
  private:
@@ -48,13 +48,13 @@ class Sensors {
     Vec3d force, torque;             // impulses of the window so far [N s], [N m s]
     double axis_torque = 0;          // [N m s]
   };
-  dem::BodyPose pose_of(const Sensor& sensor, std::span<const dem::BodyPose> poses) const;
-  void measure_region(const Sensor& sensor, const dem::BodyPose& body, const LiquidState& state,
+  particles::BodyPose pose_of(const Sensor& sensor, std::span<const particles::BodyPose> poses) const;
+  void measure_region(const Sensor& sensor, const particles::BodyPose& body, const LiquidState& state,
                       double length, Seen& seen);
 
   std::vector<Sensor> sensors_;
   Liquid liquid_;
-  dem::Periods periods_;
+  particles::Periods periods_;
   Walls walls_;
   std::vector<double> values_;
 };

@@ -51,7 +51,7 @@ std::uint64_t Traffic::came_in(const std::vector<Seen>& seen) const {
 }
 
 void Traffic::place_pistons(double time, const std::vector<Seen>& seen,
-                            std::span<dem::BodyPose> poses) const {
+                            std::span<particles::BodyPose> poses) const {
   for (std::size_t k = 0; k < inlets_.size(); ++k)
     poses[poses.size() - inlets_.size() + k] = inlets_[k].pose(time, seen[k].layers);
 }
@@ -92,7 +92,7 @@ Traffic::Brought Traffic::feed(LiquidEngine& engine, double time, double due, st
                                std::vector<std::uint32_t>& id, std::vector<Seen>& seen) {
   Brought brought;
   const LiquidState state = engine.state();
-  std::vector<dem::BodyPose> poses = engine.poses();
+  std::vector<particles::BodyPose> poses = engine.poses();
   for (std::uint32_t w = 0; w < walls_.bodies(); ++w) walls_.set_pose(w, poses[w]);
   const Probe probe(state, liquid_, periods_, walls_);
   const double stiffness = liquid_.density * liquid_.sound_speed * liquid_.sound_speed;
@@ -105,7 +105,7 @@ Traffic::Brought Traffic::feed(LiquidEngine& engine, double time, double due, st
       throw Error(ErrorCode::scene,
                   "more than " + std::to_string(Neighbour::most - 1) + " particles of the liquid",
                   "sph.inlets", "give the inlet '" + inlet.of.name + "' an end, or a larger sph.spacing");
-    const dem::BodyPose piston = inlet.pose(time, ++seen[k].layers);
+    const particles::BodyPose piston = inlet.pose(time, ++seen[k].layers);
     for (std::size_t i = 0; i < inlet.site.size(); ++i) {
       const Vec3d x = piston.p + piston.R * (inlet.site[i] + Vec3d{0, 0, 0.5 * inlet.thickness}),
                   v = piston.R * Vec3d{0, 0, inlet.of.speed()};

@@ -35,7 +35,7 @@ class Traffic {
   bool is_possible(const std::vector<Seen>& seen) const;
 
   // Puts the pistons, the last of `poses`, where they are at that time [s].
-  void place_pistons(double time, const std::vector<Seen>& seen, std::span<dem::BodyPose> poses) const;
+  void place_pistons(double time, const std::vector<Seen>& seen, std::span<particles::BodyPose> poses) const;
   // When the next layer of an inlet is due [s]; infinite where none is.
   double next(const std::vector<Seen>& seen) const;
   // Takes the particles in outlets out. `id`: of the particles.
@@ -56,7 +56,7 @@ class Traffic {
   std::vector<Inlet> inlets_;
   std::vector<scene::Outlet> outlets_;
   Liquid liquid_;
-  dem::Periods periods_;
+  particles::Periods periods_;
   Walls walls_;  // without the pistons
 };
 

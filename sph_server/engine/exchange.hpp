@@ -24,7 +24,7 @@ void exchange_entries(std::span<const std::uint32_t> leaving, std::size_t more, 
 template <class Real, bool shifting>
 void LiquidEngineOf<Real, shifting>::exchange(std::span<const std::uint32_t> leaving,
                                               const LiquidState& arriving,
-                                              const std::vector<dem::BodyPose>& poses) {
+                                              const std::vector<particles::BodyPose>& poses) {
   rebuild();  // counts the particles that passed a wall until now
   const std::size_t more = arriving.size(), kept = position_.size() - leaving.size();
   each_particle_array([&](auto& array) { exchange_entries(leaving, more, array); });

@@ -149,7 +149,7 @@ struct Site {
 
 class Filler {
  public:
-  Filler(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses, const TriangleMesh& region,
+  Filler(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses, const TriangleMesh& region,
          const FillAmount& amount)
       : setup_(setup),
         poses_(poses),
@@ -213,10 +213,10 @@ class Filler {
     walls_.find(x, setup_.liquid.support(), near);
     for (int k = 0; k < near.count; ++k) {
       const NearFacet& f = near.facet[k];
-      dem::WallContact contact;
-      const dem::Facet facet{f.a, f.b, f.c, f.normal};
+      particles::WallContact contact;
+      const particles::Facet facet{f.a, f.b, f.c, f.normal};
       const double R = setup_.liquid.support();
-      if (dem::touch_triangle(facet, x, R, contact)) gap = std::min(gap, contact.gap + R);
+      if (particles::touch_triangle(facet, x, R, contact)) gap = std::min(gap, contact.gap + R);
     }
     return gap;
   }
@@ -226,7 +226,7 @@ class Filler {
   // level.
   std::vector<Site> sites(double a) const {
     std::vector<Site> found;
-    dem::Random random(1);
+    particles::Random random(1);
     std::int64_t n[3];
     for (int k = 0; k < 2; ++k) n[k] = static_cast<std::int64_t>(std::ceil((high_[k] - low_[k]) / a));
     n[2] = std::max(std::int64_t{1}, static_cast<std::int64_t>(std::llround((level_ - low_[2]) / a)));
@@ -265,7 +265,7 @@ class Filler {
     LiquidSetup packing = setup_;
     packing.liquid.shifting = 0;
     packing.walls.push_back(lid());
-    std::vector<dem::BodyPose> poses = poses_;
+    std::vector<particles::BodyPose> poses = poses_;
     poses.push_back({{}, Mat3d::identity(), {}, {}});
     LiquidState state;
     for (const Site& s : start) {
@@ -307,7 +307,7 @@ class Filler {
   }
 
   const LiquidSetup& setup_;
-  const std::vector<dem::BodyPose>& poses_;
+  const std::vector<particles::BodyPose>& poses_;
   const TriangleMesh& region_;
   Frame frame_;
   Walls walls_;
@@ -333,7 +333,7 @@ double depth_of(const TriangleMesh& region, Vec3d gravity, const FillAmount& amo
   return level - extent_along(region, up).first;
 }
 
-LiquidState fill_region(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses,
+LiquidState fill_region(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
                         const TriangleMesh& region, const FillAmount& amount) {
   expect_liquid(setup.liquid);
   depth_of(region, setup.liquid.gravity, amount);

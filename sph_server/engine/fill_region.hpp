@@ -29,7 +29,7 @@ double depth_of(const TriangleMesh& region, Vec3d gravity, const FillAmount& amo
 // has cavities, their triangles are wound the other way.
 // Error{scene} without gravity, for a mesh that is open below the level, for an amount that is not in the
 // mesh, and for less than one particle.
-LiquidState fill_region(const LiquidSetup& setup, const std::vector<dem::BodyPose>& poses,
+LiquidState fill_region(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
                         const TriangleMesh& region, const FillAmount& amount);
 
 }  // namespace tandem::sph

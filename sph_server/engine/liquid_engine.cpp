@@ -17,8 +17,9 @@ std::unique_ptr<LiquidEngine> make_liquid_engine(const LiquidSetup& setup, bool 
 
 template <class Real>
 std::size_t bytes_of_particle(bool shifting) {
-  return sizeof(dem::PositionRadius<Real>) + sizeof(dem::VelocityKind<Real>) + sizeof(dem::FinePart<Real>) +
-         sizeof(ParticleState<Real>) + (shifting ? 2 : 1) * sizeof(Vec3<Real>) +
+  return sizeof(particles::PositionRadius<Real>) + sizeof(particles::VelocityKind<Real>) +
+         sizeof(particles::FinePart<Real>) + sizeof(ParticleState<Real>) +
+         (shifting ? 2 : 1) * sizeof(Vec3<Real>) +
          3 * sizeof(double) +  // compression, and its rate in two steps
          2 * sizeof(Vec3d) +   // acceleration in two steps
          2 * sizeof(Vec3d);    // position when the list was built, and a copy while it is

@@ -20,10 +20,10 @@ namespace tandem::sph {
 struct LiquidSetup {
   Liquid liquid;
   scene::Box domain;                // particles must stay in it [m]
-  dem::Periods periods;             // of the domain
+  particles::Periods periods;       // of the domain
   std::vector<TriangleMesh> walls;  // one per body, in its frame
   std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
-  unsigned threads = 1;             // 0: see dem::ThreadPool
+  unsigned threads = 1;             // 0: see particles::ThreadPool
   // Particles that there may be where some come in later, for the range of sums; 0: those of the start.
   std::size_t capacity = 0;
 };
@@ -74,18 +74,18 @@ class LiquidEngine {
   virtual ~LiquidEngine() = default;
   // Bodies have the given poses, one per wall mesh. Rates are computed at once, so that loads() belongs to
   // this state.
-  virtual void set_state(const LiquidState& state, const std::vector<dem::BodyPose>& poses) = 0;
+  virtual void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) = 0;
   void set_state(const LiquidState& state) { set_state(state, poses()); }
   virtual LiquidState state() const = 0;
   // One step of dt [s]. Error{numerics} where it is longer than step_limits() of the present speeds and
   // accelerations allow. Bodies then have the given poses, one per wall mesh.
-  virtual void step(double dt, const std::vector<dem::BodyPose>& poses) = 0;
+  virtual void step(double dt, const std::vector<particles::BodyPose>& poses) = 0;
   void step(double dt) { step(dt, poses()); }
-  virtual const std::vector<dem::BodyPose>& poses() const = 0;
+  virtual const std::vector<particles::BodyPose>& poses() const = 0;
   // Takes particles out, by ascending index, and appends those of `arriving`; bodies then have the given
   // poses. Rates are computed at once. The next step has no step before it, as the first one.
   virtual void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
-                        const std::vector<dem::BodyPose>& poses) = 0;
+                        const std::vector<particles::BodyPose>& poses) = 0;
   // Moves particles apart under the same pressure [Pa] for all, without gravity and with velocities reduced
   // to a part `damping` in each step, until walls and particles fill the space evenly.
   virtual void pack(double pressure, double dt, double damping, int steps) = 0;

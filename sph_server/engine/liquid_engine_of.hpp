@@ -42,13 +42,13 @@ class LiquidEngineOf final : public LiquidEngine {
         reach_(setup.liquid.support() + list_skin * setup.liquid.spacing),
         pool_(setup.threads),
         walls_(setup.walls, reach_, setup.slip),
-        unit_(dem::LengthUnit<Real>::for_lengths(4 * setup.liquid.support())) {
+        unit_(particles::LengthUnit<Real>::for_lengths(4 * setup.liquid.support())) {
     expect_liquid(setup.liquid);
     round_periods();
     double farthest = 0;
     for (int a = 0; a < 3; ++a)
       farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
-    centres_ = dem::CentreUnit<Real>::for_range(unit_, farthest, 4);
+    centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, 4);
     rates_.properties = setup.liquid;
     rates_.pairs.unit = unit_;
     rates_.pairs.pair = PairConstants<Real>::of(setup.liquid);
@@ -64,7 +64,7 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.properties = setup.liquid;
   }
 
-  void set_state(const LiquidState& state, const std::vector<dem::BodyPose>& poses) override {
+  void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) override {
     set_poses(poses);
     const std::size_t n = state.size();
     if ((n == 0 && setup_.capacity == 0) || n >= Neighbour::most)
@@ -83,13 +83,13 @@ class LiquidEngineOf final : public LiquidEngine {
     work_ = {};
   }
   void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
-                const std::vector<dem::BodyPose>& poses) override;
+                const std::vector<particles::BodyPose>& poses) override;
 
   LiquidState state() const override {
     LiquidState s;
     for (std::uint32_t i = 0; i < position_.size(); ++i) {
       s.position.push_back(centre(i));
-      s.velocity.push_back(dem::velocity_of(velocity_[i], fine_[i]));
+      s.velocity.push_back(particles::velocity_of(velocity_[i], fine_[i]));
       s.compression.push_back(compression_[i]);
       s.pressure.push_back(static_cast<double>(state_[i].pressure));
       s.slope.push_back(slope_[i].template as<double>());
@@ -97,7 +97,7 @@ class LiquidEngineOf final : public LiquidEngine {
     return s;
   }
 
-  void step(double dt, const std::vector<dem::BodyPose>& poses) override {
+  void step(double dt, const std::vector<particles::BodyPose>& poses) override {
     expect_stable(dt);
     advance_.dt = dt;
     advance_.weight = extrapolation_weight(dt, last_dt_);
@@ -127,7 +127,7 @@ class LiquidEngineOf final : public LiquidEngine {
     sum_rates();
   }
 
-  const std::vector<dem::BodyPose>& poses() const override { return walls_.poses(); }
+  const std::vector<particles::BodyPose>& poses() const override { return walls_.poses(); }
 
   void pack(double pressure, double dt, double damping, int steps) override {
     advance_.packing_pressure = pressure;
@@ -153,7 +153,7 @@ class LiquidEngineOf final : public LiquidEngine {
 
   Vec3d momentum() const override {
     Vec3d sum;
-    for (std::size_t i = 0; i < velocity_.size(); ++i) sum += dem::velocity_of(velocity_[i], fine_[i]);
+    for (std::size_t i = 0; i < velocity_.size(); ++i) sum += particles::velocity_of(velocity_[i], fine_[i]);
     return setup_.liquid.mass() * sum;
   }
 
@@ -167,7 +167,7 @@ class LiquidEngineOf final : public LiquidEngine {
     EnergyBalance e;
     const Liquid& l = setup_.liquid;
     for (std::uint32_t i = 0; i < position_.size(); ++i) {
-      e.kinetic += 0.5 * l.mass() * norm2(dem::velocity_of(velocity_[i], fine_[i]));
+      e.kinetic += 0.5 * l.mass() * norm2(particles::velocity_of(velocity_[i], fine_[i]));
       e.compression += l.mass() * l.sound_speed * l.sound_speed * tait_energy(compression_[i]);
     }
     const auto of = [this](Power p) { return work_.of[static_cast<int>(p)]; };
@@ -245,10 +245,10 @@ class LiquidEngineOf final : public LiquidEngine {
     });
   }
 
-  void place_walls(const std::vector<dem::BodyPose>& poses) {
+  void place_walls(const std::vector<particles::BodyPose>& poses) {
     for (std::uint32_t body = 0; body < walls_.bodies(); ++body) walls_.set_pose(body, poses[body]);
   }
-  void set_poses(const std::vector<dem::BodyPose>& poses) {
+  void set_poses(const std::vector<particles::BodyPose>& poses) {
     poses_ = poses;
     place_walls(poses);
   }
@@ -275,8 +275,8 @@ class LiquidEngineOf final : public LiquidEngine {
   Wrench wrench_of(const BodySum& s) const {
     Wrench w;
     for (int a = 0; a < 3; ++a) {
-      w.force[a] = setup_.liquid.mass() * dem::from_fixed(s.acceleration[a], quanta_.acceleration);
-      w.torque[a] = dem::from_fixed(s.torque[a], quanta_.torque);
+      w.force[a] = setup_.liquid.mass() * particles::from_fixed(s.acceleration[a], quanta_.acceleration);
+      w.torque[a] = particles::from_fixed(s.torque[a], quanta_.torque);
     }
     return w;
   }
@@ -341,10 +341,10 @@ class LiquidEngineOf final : public LiquidEngine {
 
   // Initialises particle i as particle k of `from`, with the gradient of a liquid at rest.
   void place(std::uint32_t i, const LiquidState& from, std::size_t k) {
-    dem::FinePart<Real> fine{};
+    particles::FinePart<Real> fine{};
     position_[i].radius = 0;
     centres_.split(centres_.wrapped(centres_.of(from.position[k]), setup_.periods), position_[i], fine);
-    dem::set_velocity(from.velocity[k], velocity_[i], fine);
+    particles::set_velocity(from.velocity[k], velocity_[i], fine);
     fine_[i] = fine;
     compression_[i] = from.compression[k];
     slope_[i] = (setup_.liquid.density * setup_.liquid.gravity).template as<Real>();
@@ -369,11 +369,11 @@ class LiquidEngineOf final : public LiquidEngine {
     const Liquid& l = setup_.liquid;
     const double c = l.sound_speed, many = static_cast<double>(n);
     const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
-    quanta_.acceleration = dem::Quantum::for_range(acceleration);
-    quanta_.rate = dem::Quantum::for_range(1e4 * c / l.spacing);
-    quanta_.power = dem::Quantum::for_range(many * l.mass() * acceleration * c);
+    quanta_.acceleration = particles::Quantum::for_range(acceleration);
+    quanta_.rate = particles::Quantum::for_range(1e4 * c / l.spacing);
+    quanta_.power = particles::Quantum::for_range(many * l.mass() * acceleration * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
-    quanta_.torque = dem::Quantum::for_range(l.mass() * acceleration * norm(size));
+    quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
     rates_.pairs.quanta = rates_.walls.quanta = quanta_;
   }
 
@@ -393,7 +393,8 @@ class LiquidEngineOf final : public LiquidEngine {
       }
     }
     if (grid_.total == 0)
-      grid_ = dem::make_cell_grid(setup_.domain, setup_.periods, reach_, dem::most_cells(x.size()));
+      grid_ =
+          particles::make_cell_grid(setup_.domain, setup_.periods, reach_, particles::most_cells(x.size()));
     build_list(grid_, setup_.periods, x, reach_, walls_, pool_, list_);
     use_list();
     built_at_ = std::move(x);
@@ -417,13 +418,13 @@ class LiquidEngineOf final : public LiquidEngine {
                       scene::rounded(setup_.liquid.support()) +
                       " m of a particle, or facets that hide each other in very many parts",
                   "walls", "give a mesh with larger triangles, or a smaller spacing of the liquid");
-    for (int p = 0; p < powers; ++p) power_[p] = dem::from_fixed(sum.power[p], quanta_.power);
+    for (int p = 0; p < powers; ++p) power_[p] = particles::from_fixed(sum.power[p], quanta_.power);
     figures_.largest_speed = std::sqrt(sum.largest_speed2);
     figures_.largest_acceleration = std::sqrt(sum.largest_acceleration2);
     figures_.largest_compression = sum.largest_compression;
     for (int a = 0; a < 3; ++a)
       figures_.pair_impulse_rate[a] =
-          setup_.liquid.mass() * dem::from_fixed(sum.momentum_rate[a], quanta_.acceleration);
+          setup_.liquid.mass() * particles::from_fixed(sum.momentum_rate[a], quanta_.acceleration);
   }
 
   struct Work {
@@ -432,17 +433,17 @@ class LiquidEngineOf final : public LiquidEngine {
 
   LiquidSetup setup_;
   double reach_ = 0;  // support and skin [m]
-  dem::ThreadPool pool_;
+  particles::ThreadPool pool_;
   Walls walls_;
-  dem::LengthUnit<Real> unit_;
-  dem::CentreUnit<Real> centres_;
-  dem::CellGrid grid_;
+  particles::LengthUnit<Real> unit_;
+  particles::CentreUnit<Real> centres_;
+  particles::CellGrid grid_;
   NeighbourList list_;
-  std::vector<Vec3d> built_at_;             // positions when the list was built [m]
-  std::vector<dem::BodyPose> built_poses_;  // and poses
-  std::vector<dem::PositionRadius<Real>> position_;
-  std::vector<dem::VelocityKind<Real>> velocity_;
-  std::vector<dem::FinePart<Real>> fine_;
+  std::vector<Vec3d> built_at_;                   // positions when the list was built [m]
+  std::vector<particles::BodyPose> built_poses_;  // and poses
+  std::vector<particles::PositionRadius<Real>> position_;
+  std::vector<particles::VelocityKind<Real>> velocity_;
+  std::vector<particles::FinePart<Real>> fine_;
   std::vector<ParticleState<Real>> state_;
   std::vector<Vec3<Real>> slope_, shift_;
   std::vector<float> filled_;
@@ -451,7 +452,7 @@ class LiquidEngineOf final : public LiquidEngine {
   std::vector<double> rate_[2];
   std::vector<BodySum> body_sums_, previous_body_sums_;
   std::vector<Wrench> step_loads_;
-  std::vector<dem::BodyPose> poses_;
+  std::vector<particles::BodyPose> poses_;
   std::vector<std::vector<std::byte>> saved_;  // in the order of each_array
   NeighbourList saved_list_;
   LiquidArrays<Real> liquid_;

@@ -13,7 +13,7 @@ namespace tandem::sph {
 // of the point, so that a point on a wall sees the liquid on both of its sides.
 class Probe {
  public:
-  Probe(const LiquidState& state, const Liquid& liquid, const dem::Periods& periods, const Walls& walls)
+  Probe(const LiquidState& state, const Liquid& liquid, const particles::Periods& periods, const Walls& walls)
       : state_(state), liquid_(liquid), periods_(periods), walls_(walls) {}
 
   // Mean of the pressures that the particles within the support of the kernel W have at x by their own
@@ -36,7 +36,7 @@ class Probe {
 
   const LiquidState& state_;
   const Liquid& liquid_;
-  const dem::Periods& periods_;
+  const particles::Periods& periods_;
   const Walls& walls_;
 };
 

@@ -45,7 +45,7 @@ std::vector<Lattice> lattices_of(const scene::Liquid& liquid, double spacing) {
 
 // Visits the sites of a lattice within `margin` of the box around a facet, with their numbers along the axes.
 template <class Visit>
-void visit_near(const Lattice& l, const dem::Facet& f, double margin, Visit visit) {
+void visit_near(const Lattice& l, const particles::Facet& f, double margin, Visit visit) {
   int from[3], to[3];
   for (int a = 0; a < 3; ++a) {
     const double low = std::min({f.a[a], f.b[a], f.c[a]}) - margin,
@@ -69,14 +69,14 @@ void visit_near(const Lattice& l, const dem::Facet& f, double margin, Visit visi
 
 // Calls each(facet in the world, name of its wall).
 template <class Each>
-void each_facet(const std::vector<BodyWalls>& walls, std::span<const dem::BodyPose> poses, Each each) {
+void each_facet(const std::vector<BodyWalls>& walls, std::span<const particles::BodyPose> poses, Each each) {
   for (std::size_t b = 0; b < walls.size(); ++b) {
     const auto in_world = [&](std::uint32_t vertex) {
       return poses[b].p + poses[b].R * walls[b].mesh.vertices[vertex];
     };
     for (std::size_t k = 0; k < walls[b].mesh.triangles.size(); ++k) {
       const auto& t = walls[b].mesh.triangles[k];
-      each(dem::triangle_facet(in_world(t[0]), in_world(t[1]), in_world(t[2])), walls[b].wall[k]);
+      each(particles::triangle_facet(in_world(t[0]), in_world(t[1]), in_world(t[2])), walls[b].wall[k]);
     }
   }
 }
@@ -84,10 +84,10 @@ void each_facet(const std::vector<BodyWalls>& walls, std::span<const dem::BodyPo
 }  // namespace
 
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
-                 std::span<const dem::BodyPose> poses) {
+                 std::span<const particles::BodyPose> poses) {
   const scene::Sph& sph = scene.sph.value();
   const std::vector<Lattice> lattices = lattices_of(sph.liquids.front(), sph.spacing);
-  each_facet(walls, poses, [&](const dem::Facet& facet, const std::string& wall) {
+  each_facet(walls, poses, [&](const particles::Facet& facet, const std::string& wall) {
     for (std::size_t k = 0; k < lattices.size(); ++k)
       visit_near(lattices[k], facet, sph.spacing, [&](std::size_t site, const int* number) {
         for (int a = 0; a < 3; ++a) {
@@ -106,11 +106,11 @@ void check_start(const Sites& sites, const scene::Scene& scene, const std::vecto
       });
   });
   const double margin = nearest_wall * sph.spacing;
-  each_facet(walls, poses, [&](const dem::Facet& facet, const std::string& wall) {
+  each_facet(walls, poses, [&](const particles::Facet& facet, const std::string& wall) {
     for (std::size_t k = 0; k < lattices.size(); ++k)
       visit_near(lattices[k], facet, margin, [&](std::size_t site, const int*) {
-        dem::WallContact contact;
-        if (!dem::touch_triangle(facet, sites.position[site], margin, contact)) return;
+        particles::WallContact contact;
+        if (!particles::touch_triangle(facet, sites.position[site], margin, contact)) return;
         throw Error(ErrorCode::scene,
                     fmt::format("a particle starts at {} m, nearer than {:.3g} m to wall '{}'",
                                 scene::rounded(sites.position[site]), margin, wall),

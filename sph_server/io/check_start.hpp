@@ -17,6 +17,6 @@ inline constexpr double nearest_wall = 0.3;  // [spacings]
 // `poses`: of the bodies at the start. Error{scene} with the name of the wall for a site
 // that is too near to it, and for a box through which it passes.
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
-                 std::span<const dem::BodyPose> poses);
+                 std::span<const particles::BodyPose> poses);
 
 }  // namespace tandem::sph

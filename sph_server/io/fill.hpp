@@ -44,7 +44,7 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
 // overlap.
 LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
                             const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                            const std::vector<dem::BodyPose>& poses);
+                            const std::vector<particles::BodyPose>& poses);
 
 // Place of an entry of the fills of the liquid, for messages.
 std::string place_of_fill(std::size_t fill);

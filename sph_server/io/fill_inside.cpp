@@ -18,7 +18,7 @@ namespace tandem::sph {
 namespace {
 
 TriangleMesh in_world(TriangleMesh mesh, BodyId body, const scene::Scene& scene) {
-  const dem::BodyPose pose = dem::pose_at_start(body, scene);
+  const particles::BodyPose pose = particles::pose_at_start(body, scene);
   for (Vec3d& v : mesh.vertices) v = pose.p + pose.R * v;
   return mesh;
 }
@@ -144,7 +144,7 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
 
 LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
                             const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                            const std::vector<dem::BodyPose>& poses) {
+                            const std::vector<particles::BodyPose>& poses) {
   const scene::Liquid& liquid = scene.sph->liquids.front();
   LiquidState all = fill_of(sites, liquid, setup.liquid);
   std::vector<std::size_t> from(all.size(),

@@ -62,7 +62,7 @@ std::uint64_t Inlet::layers_until(double time) const {
   return layers;
 }
 
-dem::BodyPose Inlet::pose(double time, std::uint64_t layers) const {
+particles::BodyPose Inlet::pose(double time, std::uint64_t layers) const {
   const Mat3d R = of.pose.q_WB.matrix();
   const double way = of.speed() * (std::clamp(time, of.start, std::max(of.start, end())) - of.start) -
                      static_cast<double>(layers) * thickness;

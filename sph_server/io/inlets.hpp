@@ -22,7 +22,7 @@ struct Inlet {
   double due(std::uint64_t layer) const;          // when a layer comes in, the first one being 0 [s]
   std::uint64_t layers_until(double time) const;  // that are due by then
   // Of the piston at a time, after so many layers.
-  dem::BodyPose pose(double time, std::uint64_t layers) const;
+  particles::BodyPose pose(double time, std::uint64_t layers) const;
 };
 
 // Of a validated scene.

@@ -42,8 +42,8 @@ bool is_near(const Walls& walls, Vec3d x, double distance) {
   walls.find(x, distance, near);
   for (int k = 0; k < near.count; ++k) {
     const NearFacet& f = near.facet[k];
-    dem::WallContact contact;
-    if (dem::touch_triangle({f.a, f.b, f.c, f.normal}, x, distance, contact)) return true;
+    particles::WallContact contact;
+    if (particles::touch_triangle({f.a, f.b, f.c, f.normal}, x, distance, contact)) return true;
   }
   return false;
 }
@@ -52,7 +52,7 @@ bool is_near(const Walls& walls, Vec3d x, double distance) {
 
 std::vector<std::string> open_faces(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
                                     const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                                    const std::vector<dem::BodyPose>& poses) {
+                                    const std::vector<particles::BodyPose>& poses) {
   std::vector<std::string> sentences;
   if (insides.empty()) return sentences;
   const scene::Sph& sph = scene.sph.value();
@@ -64,7 +64,7 @@ std::vector<std::string> open_faces(const scene::Scene& scene, const std::vector
     const scene::Wall& wall = *std::ranges::find(sph.walls, fill.wall, &scene::Wall::name);
     const auto [faces, half] = opened(wall.shape);
     if (faces.empty()) continue;
-    const dem::BodyPose body = dem::pose_at_start(wall.body, scene);
+    const particles::BodyPose body = particles::pose_at_start(wall.body, scene);
     const TriangleMesh whole = whole_mesh_of(wall, sph, meshes);  // in the frame of the body
     double low = std::numeric_limits<double>::infinity();
     for (const Vec3d& v : filled.region.vertices) low = std::min(low, dot(v, up));

@@ -13,6 +13,6 @@ namespace tandem::sph {
 // closes it. `poses`: of the walls of `setup`.
 std::vector<std::string> open_faces(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
                                     const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                                    const std::vector<dem::BodyPose>& poses);
+                                    const std::vector<particles::BodyPose>& poses);
 
 }  // namespace tandem::sph

@@ -32,7 +32,7 @@ TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, cons
     const auto& g = near.facet[n];
     return Shadow::of(x, g.a, g.b, g.c, g.normal, tolerance);
   };
-  dem::UninitialisedArray<std::uint8_t, Facets::most> hider;
+  particles::UninitialisedArray<std::uint8_t, Facets::most> hider;
   static_assert(Facets::most <= 256);
   int hiders = 0;
   for (int n = 0; n < near.count; ++n)

@@ -10,7 +10,7 @@ namespace tandem::sph {
 // A convex polygon.
 struct Polygon {
   static constexpr int most = 16;
-  dem::UninitialisedArray<Vec3d, most> corner;  // [m]
+  particles::UninitialisedArray<Vec3d, most> corner;  // [m]
   int count = 0;
 };
 
@@ -86,8 +86,8 @@ template <class ShadowAt, class Each>
 TANDEM_HD bool for_visible_parts(const Polygon& whole, Vec3d facing, Vec3d x, double radius, int hiders,
                                  ShadowAt shadow, Each each) {
   constexpr int most = 32;
-  dem::UninitialisedArray<Polygon, most> pending;
-  dem::UninitialisedArray<int, most> next;  // the first shadow that the part has not been cut by
+  particles::UninitialisedArray<Polygon, most> pending;
+  particles::UninitialisedArray<int, most> next;  // the first shadow that the part has not been cut by
   int count = 1;
   pending[0] = whole;
   next[0] = 0;

@@ -10,7 +10,7 @@ struct SortedCells {
   std::vector<std::uint32_t> start, order;
 };
 
-SortedCells sort(const dem::CellGrid& grid, std::span<const Vec3d> x) {
+SortedCells sort(const particles::CellGrid& grid, std::span<const Vec3d> x) {
   SortedCells s;
   s.start.assign(std::size_t{grid.total} + 1, 0);
   std::vector<std::uint32_t> cell(x.size());
@@ -25,23 +25,23 @@ SortedCells sort(const dem::CellGrid& grid, std::span<const Vec3d> x) {
   return s;
 }
 
-Vec3d shift_of(dem::Image image, const dem::Periods& periods) {
+Vec3d shift_of(particles::Image image, const particles::Periods& periods) {
   Vec3d shift;
   for (int a = 0; a < 3; ++a) {
-    if (image & dem::image_above(a)) shift[a] = periods.length[a];
-    if (image & dem::image_below(a)) shift[a] = -periods.length[a];
+    if (image & particles::image_above(a)) shift[a] = periods.length[a];
+    if (image & particles::image_below(a)) shift[a] = -periods.length[a];
   }
   return shift;
 }
 
 // Calls each(j, image, x_j - x_i) for the neighbours j of i.
 template <class Each>
-void search(const dem::CellGrid& grid, const dem::Periods& periods, const SortedCells& cells,
+void search(const particles::CellGrid& grid, const particles::Periods& periods, const SortedCells& cells,
             std::span<const Vec3d> x, double reach, std::uint32_t i, Each each) {
   const std::int32_t home[3] = {grid.along(x[i].x, 0), grid.along(x[i].y, 1), grid.along(x[i].z, 2)};
   for (int k = 0; k < 27; ++k) {
     std::int32_t c[3] = {home[0] + k % 3 - 1, home[1] + k / 3 % 3 - 1, home[2] + k / 9 - 1};
-    dem::Image image = 0;
+    particles::Image image = 0;
     if (!grid.exists<true>(c[0], 0, image) || !grid.exists<true>(c[1], 1, image) ||
         !grid.exists<true>(c[2], 2, image))
       continue;
@@ -56,8 +56,8 @@ void search(const dem::CellGrid& grid, const dem::Periods& periods, const Sorted
 
 }  // namespace
 
-void build_list(const dem::CellGrid& grid, const dem::Periods& periods, std::span<const Vec3d> x,
-                double reach, const Walls& walls, dem::ThreadPool& pool, NeighbourList& list) {
+void build_list(const particles::CellGrid& grid, const particles::Periods& periods, std::span<const Vec3d> x,
+                double reach, const Walls& walls, particles::ThreadPool& pool, NeighbourList& list) {
   const SortedCells cells = sort(grid, x);
   const std::size_t n = x.size();
   // Each thread lists a range of particles; the ranges are joined in order.
@@ -70,7 +70,7 @@ void build_list(const dem::CellGrid& grid, const dem::Periods& periods, std::spa
       NearWalls near;
       walls.find(x[i], reach, near);
       search(grid, periods, cells, x, reach, static_cast<std::uint32_t>(i),
-             [&](std::uint32_t j, dem::Image image, Vec3d d) {
+             [&](std::uint32_t j, particles::Image image, Vec3d d) {
                if (near.count > 0 && walls.between(x[i], x[i] + d)) return;
                found[thread].emplace_back(j, image);
              });

@@ -20,7 +20,7 @@ struct NeighbourList {
 
 // All pairs nearer than `reach` [m] that see each other: no wall is between them. x: positions in the domain
 // of the grid [m].
-void build_list(const dem::CellGrid& grid, const dem::Periods& periods, std::span<const Vec3d> x,
-                double reach, const Walls& walls, dem::ThreadPool& pool, NeighbourList& list);
+void build_list(const particles::CellGrid& grid, const particles::Periods& periods, std::span<const Vec3d> x,
+                double reach, const Walls& walls, particles::ThreadPool& pool, NeighbourList& list);
 
 }  // namespace tandem::sph

@@ -10,10 +10,10 @@
 namespace tandem::sph {
 namespace {
 
-constexpr dem::GridBudget wall_grid_budget{std::size_t{1} << 22, std::size_t{1} << 26};
+constexpr particles::GridBudget wall_grid_budget{std::size_t{1} << 22, std::size_t{1} << 26};
 
 // On which sides of the plane of f the other facet has corners, see NearFacet.
-std::uint8_t sides_reached(const dem::Facet& f, const dem::Facet& other, double tolerance) {
+std::uint8_t sides_reached(const particles::Facet& f, const particles::Facet& other, double tolerance) {
   std::uint8_t sides = 0;
   for (const Vec3d& corner : {other.a, other.b, other.c}) {
     const double height = dot(corner - f.a, f.normal);
@@ -34,11 +34,12 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::v
                   "walls of body " + std::to_string(body), "remove it from the mesh");
     const auto first = static_cast<std::uint32_t>(facets_.size());
     for (const auto& t : mesh.triangles) {
-      facets_.push_back(dem::triangle_facet(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
+      facets_.push_back(
+          particles::triangle_facet(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
       facets_.back().body = static_cast<std::uint32_t>(body);
     }
-    grids_.push_back(dem::make_facet_grid(std::span(facets_).subspan(first), first, reach, wall_grid_budget,
-                                          cell_start_, cell_facet_));
+    grids_.push_back(particles::make_facet_grid(std::span(facets_).subspan(first), first, reach,
+                                                wall_grid_budget, cell_start_, cell_facet_));
     poses_.push_back({{}, Mat3d::identity(), {}, {}});
     slip_.push_back(body < slip.size() && slip[body] ? 1 : 0);
     double extent = 0;
@@ -60,7 +61,7 @@ WallsView Walls::view() const {
           poses_.data(),  slip_.data(),  beyond_.data(),     bodies()};
 }
 
-bool Walls::passed(const std::vector<dem::BodyPose>& poses_then, Vec3d then, Vec3d now) const {
+bool Walls::passed(const std::vector<particles::BodyPose>& poses_then, Vec3d then, Vec3d now) const {
   WallsView before = view();
   before.pose = poses_then.data();
   const WallsView after = view();
@@ -69,10 +70,10 @@ bool Walls::passed(const std::vector<dem::BodyPose>& poses_then, Vec3d then, Vec
   return false;
 }
 
-double Walls::moved_from(const std::vector<dem::BodyPose>& poses_then) const {
+double Walls::moved_from(const std::vector<particles::BodyPose>& poses_then) const {
   double most = 0;
   for (std::uint32_t body = 0; body < bodies(); ++body) {
-    const dem::BodyPose &then = poses_then[body], &now = poses_[body];
+    const particles::BodyPose &then = poses_then[body], &now = poses_[body];
     double turned2 = 0;
     for (int k = 0; k < 3; ++k) turned2 += norm2(now.R.row[k] - then.R.row[k]);
     most = std::max(most, norm(now.p - then.p) + std::sqrt(turned2) * extent_[body]);

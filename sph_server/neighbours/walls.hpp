@@ -19,8 +19,8 @@ class Walls {
 
   std::uint32_t bodies() const { return static_cast<std::uint32_t>(poses_.size()); }
   bool any() const { return !facets_.empty(); }
-  const std::vector<dem::BodyPose>& poses() const { return poses_; }
-  void set_pose(std::uint32_t body, const dem::BodyPose& pose) { poses_[body] = pose; }
+  const std::vector<particles::BodyPose>& poses() const { return poses_; }
+  void set_pose(std::uint32_t body, const particles::BodyPose& pose) { poses_[body] = pose; }
   // Refers to this object, and to its poses as they change.
   WallsView view() const;
 
@@ -29,16 +29,16 @@ class Walls {
   bool between(Vec3d x, Vec3d y) const { return view().between(x, y); }
   // Did a point that moved from `then` to `now` pass a wall, while the bodies moved from these poses to
   // theirs?
-  bool passed(const std::vector<dem::BodyPose>& poses_then, Vec3d then, Vec3d now) const;
+  bool passed(const std::vector<particles::BodyPose>& poses_then, Vec3d then, Vec3d now) const;
   // Bound of how far any facet is from where it was with these poses [m].
-  double moved_from(const std::vector<dem::BodyPose>& poses_then) const;
+  double moved_from(const std::vector<particles::BodyPose>& poses_then) const;
 
  private:
-  std::vector<dem::Facet> facets_;
-  std::vector<dem::FacetGrid> grids_;      // one per body
-  std::vector<std::uint32_t> cell_start_;  // see dem::Surface
+  std::vector<particles::Facet> facets_;
+  std::vector<particles::FacetGrid> grids_;  // one per body
+  std::vector<std::uint32_t> cell_start_;    // see particles::Surface
   std::vector<std::uint32_t> cell_facet_;
-  std::vector<dem::BodyPose> poses_;
+  std::vector<particles::BodyPose> poses_;
   std::vector<std::uint8_t> slip_, beyond_;  // see WallsView
   std::vector<double> extent_;               // largest distance of a vertex from the origin of its body [m]
 };

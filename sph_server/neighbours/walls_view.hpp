@@ -21,13 +21,13 @@ struct NearFacet {
 // Facets near one point.
 struct NearWalls {
   static constexpr int most = 256;
-  dem::UninitialisedArray<NearFacet, most> facet;
+  particles::UninitialisedArray<NearFacet, most> facet;
   int count = 0;
   bool overflow = false;  // there are more than `most`
 };
 
 // Is every point of the triangle further than `radius` from x, seen across its plane or across one edge?
-TANDEM_HD inline bool is_far(const dem::Facet& f, Vec3d x, double radius) {
+TANDEM_HD inline bool is_far(const particles::Facet& f, Vec3d x, double radius) {
   if (std::fabs(dot(x - f.a, f.normal)) >= radius) return true;
   const Vec3d corner[3] = {f.a, f.b, f.c};
   for (int k = 0; k < 3; ++k) {
@@ -39,7 +39,7 @@ TANDEM_HD inline bool is_far(const dem::Facet& f, Vec3d x, double radius) {
 }
 
 // Does the segment from x to y cross the triangle? Its edges belong to it, so that a closed mesh is tight.
-TANDEM_HD inline bool crosses(const dem::Facet& f, Vec3d x, Vec3d y) {
+TANDEM_HD inline bool crosses(const particles::Facet& f, Vec3d x, Vec3d y) {
   const double from = dot(x - f.a, f.normal), to = dot(y - f.a, f.normal);
   if ((from > 0 && to > 0) || (from < 0 && to < 0) || from == to) return false;
   const Vec3d at = x + (from / (from - to)) * (y - x), corner[3] = {f.a, f.b, f.c};
@@ -51,21 +51,21 @@ TANDEM_HD inline bool crosses(const dem::Facet& f, Vec3d x, Vec3d y) {
 }
 
 struct WallsView {
-  const dem::Facet* facet = nullptr;
-  const dem::FacetGrid* grid = nullptr;       // (bodies)
-  const std::uint32_t* cell_start = nullptr;  // see dem::Surface
+  const particles::Facet* facet = nullptr;
+  const particles::FacetGrid* grid = nullptr;  // (bodies)
+  const std::uint32_t* cell_start = nullptr;   // see particles::Surface
   const std::uint32_t* cell_facet = nullptr;
-  const dem::BodyPose* pose = nullptr;   // (bodies)
-  const std::uint8_t* slip = nullptr;    // 1: of a body without friction (bodies)
-  const std::uint8_t* beyond = nullptr;  // see NearFacet (facets)
+  const particles::BodyPose* pose = nullptr;  // (bodies)
+  const std::uint8_t* slip = nullptr;         // 1: of a body without friction (bodies)
+  const std::uint8_t* beyond = nullptr;       // see NearFacet (facets)
   std::uint32_t bodies = 0;
 
   TANDEM_HD Vec3d into_body(std::uint32_t body, Vec3d x) const {
     return pose[body].R.transpose_times(x - pose[body].p);
   }
   // `in_body`: a point in the frame of the body [m].
-  TANDEM_HD dem::NearFacets near(std::uint32_t body, Vec3d in_body) const {
-    return dem::near_facets(grid[body], cell_start, cell_facet, in_body);
+  TANDEM_HD particles::NearFacets near(std::uint32_t body, Vec3d in_body) const {
+    return particles::near_facets(grid[body], cell_start, cell_facet, in_body);
   }
 
   // Facets that may have a point within `radius` <= reach of x, in ascending order of body and facet.
@@ -74,15 +74,15 @@ struct WallsView {
     found.overflow = false;
     for (std::uint32_t body = 0; body < bodies; ++body) {
       const Vec3d in_body = into_body(body, x);
-      const dem::NearFacets listed = near(body, in_body);
+      const particles::NearFacets listed = near(body, in_body);
       for (int k = 0; k < listed.count; ++k) {
-        const dem::Facet& f = facet[listed[k]];
+        const particles::Facet& f = facet[listed[k]];
         if (is_far(f, in_body, radius)) continue;
         if (found.count == NearWalls::most) {
           found.overflow = true;
           return;
         }
-        const dem::BodyPose& at = pose[body];
+        const particles::BodyPose& at = pose[body];
         found.facet[found.count++] = {
             at.p + at.R * f.a, at.p + at.R * f.b, at.p + at.R * f.c, at.R * f.normal, body,
             beyond[listed[k]]};
@@ -101,7 +101,7 @@ struct WallsView {
 
   // Does a segment in the frame of the body cross one of its facets? The facets are those near `from`.
   TANDEM_HD bool crossed(std::uint32_t body, Vec3d from, Vec3d to) const {
-    const dem::NearFacets listed = near(body, from);
+    const particles::NearFacets listed = near(body, from);
     for (int k = 0; k < listed.count; ++k)
       if (crosses(facet[listed[k]], from, to)) return true;
     return false;

@@ -14,8 +14,8 @@ namespace tandem::sph {
 template <class Real>
 struct Advance {
   LiquidArrays<Real> liquid;
-  dem::CentreUnit<Real> centres;
-  dem::Periods periods;
+  particles::CentreUnit<Real> centres;
+  particles::Periods periods;
   Liquid properties;
   double dt = 0;        // [s]
   double weight = 0.5;  // extrapolation_weight() [-]
@@ -24,17 +24,17 @@ struct Advance {
   double packing_pressure = 0;
 
   TANDEM_HD void operator()(std::uint32_t i) const {
-    dem::FinePart<Real> fine = liquid.fine_part(i);
-    const Vec3d before = dem::velocity_of(liquid.velocity[i], fine);
+    particles::FinePart<Real> fine = liquid.fine_part(i);
+    const Vec3d before = particles::velocity_of(liquid.velocity[i], fine);
     const Vec3d a = (1 + weight) * liquid.acceleration[0][i] - weight * liquid.acceleration[1][i];
     const Vec3d after = damping * (before + dt * a);
-    dem::set_velocity(after, liquid.velocity[i], fine);
+    particles::set_velocity(after, liquid.velocity[i], fine);
     auto centre = centres.joined(liquid.position[i], fine);
     Vec3d moved = (0.5 * dt) * (before + after);
     if (liquid.shift) moved += dt * liquid.shift[i].template as<double>();
     centre += centres.of(moved);
     centres.split(centres.wrapped(centre, periods), liquid.position[i], fine);
-    if constexpr (dem::has_fine_part<Real>) liquid.fine[i] = fine;
+    if constexpr (particles::has_fine_part<Real>) liquid.fine[i] = fine;
     if (!(packing_pressure > 0))
       liquid.compression[i] += dt * ((1 + weight) * liquid.rate[0][i] - weight * liquid.rate[1][i]);
     liquid.acceleration[1][i] = liquid.acceleration[0][i];

@@ -20,24 +20,24 @@ struct ParticleState {
 template <class Real>
 struct LiquidArrays {
   std::uint32_t count = 0;
-  dem::PositionRadius<Real>* position = nullptr;  // (count)
-  dem::VelocityKind<Real>* velocity = nullptr;    // (count)
-  dem::FinePart<Real>* fine = nullptr;            // (count)
-  ParticleState<Real>* state = nullptr;           // (count)
-  double* compression = nullptr;                  // rho/rho0 - 1 [-] (count)
-  Vec3d* acceleration[2]{};                       // of this step and of the one before [m/s2] (count)
-  double* rate[2]{};                              // of the compression, likewise [1/s] (count)
-  Vec3<Real>* slope = nullptr;                    // gradient of the pressure, in this step [Pa/m] (count)
-  float* filled = nullptr;                        // filled_room(), in this step [-] (count)
-  Vec3<Real>* shift = nullptr;                    // velocity of the shift [m/s] (count), or null
-  const std::uint32_t* start = nullptr;           // see NeighbourList (count + 1)
+  particles::PositionRadius<Real>* position = nullptr;  // (count)
+  particles::VelocityKind<Real>* velocity = nullptr;    // (count)
+  particles::FinePart<Real>* fine = nullptr;            // (count)
+  ParticleState<Real>* state = nullptr;                 // (count)
+  double* compression = nullptr;                        // rho/rho0 - 1 [-] (count)
+  Vec3d* acceleration[2]{};                             // of this step and of the one before [m/s2] (count)
+  double* rate[2]{};                                    // of the compression, likewise [1/s] (count)
+  Vec3<Real>* slope = nullptr;           // gradient of the pressure, in this step [Pa/m] (count)
+  float* filled = nullptr;               // filled_room(), in this step [-] (count)
+  Vec3<Real>* shift = nullptr;           // velocity of the shift [m/s] (count), or null
+  const std::uint32_t* start = nullptr;  // see NeighbourList (count + 1)
   const Neighbour* neighbour = nullptr;
 
   TANDEM_HD Seen<Real> seen(std::uint32_t i) const {
     return {velocity[i].v, state[i].pressure, state[i].volume, state[i].slope};
   }
-  TANDEM_HD dem::FinePart<Real> fine_part(std::uint32_t i) const {
-    if constexpr (dem::has_fine_part<Real>)
+  TANDEM_HD particles::FinePart<Real> fine_part(std::uint32_t i) const {
+    if constexpr (particles::has_fine_part<Real>)
       return fine[i];
     else
       return {};

@@ -12,10 +12,10 @@
 namespace tandem::sph {
 
 struct Quanta {
-  dem::Quantum acceleration;  // [m/s2]
-  dem::Quantum rate;          // [1/s]
-  dem::Quantum power;         // [W]
-  dem::Quantum torque;        // [N m]
+  particles::Quantum acceleration;  // [m/s2]
+  particles::Quantum rate;          // [1/s]
+  particles::Quantum power;         // [W]
+  particles::Quantum torque;        // [N m]
 };
 
 // Fixed-point sums are of rounded addends that are antisymmetric to the bit, so that the sums over all
@@ -34,8 +34,8 @@ struct PairSums {
 template <class Real, bool shifting>
 struct SumPairs {
   LiquidArrays<Real> liquid;
-  dem::LengthUnit<Real> unit;
-  Vec3<typename dem::LengthUnit<Real>::Count> period;
+  particles::LengthUnit<Real> unit;
+  Vec3<typename particles::LengthUnit<Real>::Count> period;
   PairConstants<Real> pair;
   Quanta quanta;
 
@@ -43,7 +43,7 @@ struct SumPairs {
     using std::sqrt;
     PairSums<Real, shifting> sum;
     const Seen<Real> self = liquid.seen(i);
-    const dem::PositionRadius<Real> here = liquid.position[i];
+    const particles::PositionRadius<Real> here = liquid.position[i];
     const std::uint32_t end = liquid.start[i + 1];
     for (std::uint32_t n = liquid.start[i]; n < end; ++n) {
       const Neighbour neighbour = liquid.neighbour[n];
@@ -56,9 +56,9 @@ struct SumPairs {
       const Real value = pair.kernel.value(sqrt(r2));
       const Vec3<Real> force = t.pressure + t.viscous;
       for (int a = 0; a < 3; ++a)
-        sum.acceleration[a] += dem::to_fixed(static_cast<double>(force[a]), quanta.acceleration);
-      sum.continuity += dem::to_fixed(static_cast<double>(t.continuity), quanta.rate);
-      sum.diffusion += dem::to_fixed(static_cast<double>(t.diffusion), quanta.rate);
+        sum.acceleration[a] += particles::to_fixed(static_cast<double>(force[a]), quanta.acceleration);
+      sum.continuity += particles::to_fixed(static_cast<double>(t.continuity), quanta.rate);
+      sum.diffusion += particles::to_fixed(static_cast<double>(t.diffusion), quanta.rate);
       sum.viscous += t.viscous;
       sum.viscous_power += dot(t.viscous, self.v - other.v);
       sum.filled += other.volume * value;
@@ -68,14 +68,14 @@ struct SumPairs {
   }
 
  private:
-  TANDEM_HD Vec3<Real> apart(const dem::PositionRadius<Real>& a, const dem::PositionRadius<Real>& b,
-                             dem::Image image) const {
-    using Unit = dem::LengthUnit<Real>;
+  TANDEM_HD Vec3<Real> apart(const particles::PositionRadius<Real>& a,
+                             const particles::PositionRadius<Real>& b, particles::Image image) const {
+    using Unit = particles::LengthUnit<Real>;
     Vec3<typename Unit::Count> d{Unit::minus(a.x, b.x), Unit::minus(a.y, b.y), Unit::minus(a.z, b.z)};
     if (image != 0) {
       for (int k = 0; k < 3; ++k) {
-        if (image & dem::image_above(k)) d[k] = Unit::minus(d[k], period[k]);
-        if (image & dem::image_below(k)) d[k] = Unit::minus(d[k], Unit::minus(0, period[k]));
+        if (image & particles::image_above(k)) d[k] = Unit::minus(d[k], period[k]);
+        if (image & particles::image_below(k)) d[k] = Unit::minus(d[k], Unit::minus(0, period[k]));
       }
     }
     return {unit.metres(d.x), unit.metres(d.y), unit.metres(d.z)};

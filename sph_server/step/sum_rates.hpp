@@ -40,8 +40,8 @@ struct SumRates {
       by_pressure = of(sum.acceleration) - viscous - wall.repelled;
     }
     const double filled = filled_room(neighbours, own, wall.shadow);
-    const double by_motion = dem::from_fixed(sum.continuity + wall.continuity, quanta.rate),
-                 by_diffusion = dem::from_fixed(sum.diffusion, quanta.rate);
+    const double by_motion = particles::from_fixed(sum.continuity + wall.continuity, quanta.rate),
+                 by_diffusion = particles::from_fixed(sum.diffusion, quanta.rate);
     const double by_closing = closing_rate(properties, compression, tension_share(filled));
     const double elastic = elastic_pressure(properties, compression),
                  bulk = bulk_pressure(properties, compression, liquid.rate[1][i]);
@@ -52,7 +52,7 @@ struct SumRates {
     tally.add(Power::cavitation, per_rate * by_closing - (pressure - elastic - bulk) * volume * by_motion,
               quanta.power);
 
-    const Vec3d v = dem::velocity_of(liquid.velocity[i], liquid.fine_part(i));
+    const Vec3d v = particles::velocity_of(liquid.velocity[i], liquid.fine_part(i));
     const Vec3d acceleration = properties.gravity + of(sum.acceleration);
     tally.add(Power::gravity, mass * dot(properties.gravity, v), quanta.power);
     tally.observe(norm2(v), norm2(acceleration), std::fabs(compression));
@@ -67,9 +67,9 @@ struct SumRates {
 
  private:
   TANDEM_HD Vec3d of(const std::int64_t* acceleration) const {
-    const dem::Quantum q = pairs.quanta.acceleration;
-    return {dem::from_fixed(acceleration[0], q), dem::from_fixed(acceleration[1], q),
-            dem::from_fixed(acceleration[2], q)};
+    const particles::Quantum q = pairs.quanta.acceleration;
+    return {particles::from_fixed(acceleration[0], q), particles::from_fixed(acceleration[1], q),
+            particles::from_fixed(acceleration[2], q)};
   }
 };
 

@@ -29,8 +29,8 @@ struct Tally {
   double largest_speed2 = 0, largest_acceleration2 = 0, largest_compression = 0;
   std::uint32_t crowded_by_facets = 0;
 
-  TANDEM_HD void add(Power which, double watts, dem::Quantum q) {
-    power[static_cast<int>(which)] += dem::to_fixed(watts, q);
+  TANDEM_HD void add(Power which, double watts, particles::Quantum q) {
+    power[static_cast<int>(which)] += particles::to_fixed(watts, q);
   }
   // A value that is not a number remains.
   TANDEM_HD void observe(double speed2, double acceleration2, double compression) {

@@ -32,8 +32,8 @@ struct BodySum {
 
   void add(Vec3d by_mass, Vec3d moment, const Quanta& q) {
     for (int a = 0; a < 3; ++a) {
-      acceleration[a] += dem::to_fixed(by_mass[a], q.acceleration);
-      torque[a] += dem::to_fixed(moment[a], q.torque);
+      acceleration[a] += particles::to_fixed(by_mass[a], q.acceleration);
+      torque[a] += particles::to_fixed(moment[a], q.torque);
     }
   }
   void add(const BodySum& b) {
@@ -56,7 +56,7 @@ struct WallSums {
 template <class Real>
 struct SumWalls {
   LiquidArrays<Real> liquid;
-  dem::CentreUnit<Real> centres;
+  particles::CentreUnit<Real> centres;
   WallsView walls;
   WallConstants wall;
   WallRepulsion repulsion;
@@ -86,14 +86,15 @@ struct SumWalls {
   TANDEM_HD WallSums operator()(std::uint32_t i, Vec3d pressed, double neighbours, double own, Tally& tally,
                                 Bodies& bodies) const {
     WallSums sum;
-    const dem::FinePart<Real> fine = liquid.fine_part(i);
-    const Particle p{
-        centres.metres(centres.joined(liquid.position[i], fine)), dem::velocity_of(liquid.velocity[i], fine),
-        static_cast<double>(liquid.state[i].pressure), static_cast<double>(liquid.state[i].volume)};
+    const particles::FinePart<Real> fine = liquid.fine_part(i);
+    const Particle p{centres.metres(centres.joined(liquid.position[i], fine)),
+                     particles::velocity_of(liquid.velocity[i], fine),
+                     static_cast<double>(liquid.state[i].pressure),
+                     static_cast<double>(liquid.state[i].volume)};
     NearWalls near;
     walls.find(p.x, kernel.R, near);
     if (near.count == 0) return sum;
-    dem::UninitialisedArray<SeenFacet, NearWalls::most> facet;
+    particles::UninitialisedArray<SeenFacet, NearWalls::most> facet;
     bool overflow = near.overflow, of_one_body = true;
     Mat3d missing;  // M of ghost_gradient
     const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
@@ -108,7 +109,7 @@ struct SumWalls {
       if (!s.seen) continue;
       const double height = dot(p.x - f.a, f.normal);
       s.normal = height < 0 ? -f.normal : f.normal;
-      const dem::BodyPose& pose = walls.pose[f.body];
+      const particles::BodyPose& pose = walls.pose[f.body];
       s.foot = p.x - height * f.normal;
       s.v_wall = pose.v + cross(pose.w, s.foot - pose.p);
       const WallTerms t = wall_terms(wall, s.integrals, s.normal, std::fabs(height), p.v - s.v_wall,
@@ -116,7 +117,7 @@ struct SumWalls {
       s.viscous = t.viscous;
       s.force = t.pressure + t.viscous;
       sum.viscous += t.viscous;
-      sum.continuity += dem::to_fixed(t.continuity, quanta.rate);
+      sum.continuity += particles::to_fixed(t.continuity, quanta.rate);
       sum.surface += s.integrals.surface * s.normal;
       sum.shadow += s.integrals.shadow;
       pressed += t.pressure;
@@ -136,15 +137,15 @@ struct SumWalls {
       const SeenFacet& s = facet[k];
       if (!s.seen) continue;
       const Vec3d ghost = ghost_gradient(wall, s.integrals, s.normal, by_pressure, p.volume);
-      const Vec3d total = dem::rounded(s.force + ghost, quanta.acceleration);
+      const Vec3d total = particles::rounded(s.force + ghost, quanta.acceleration);
       const std::uint32_t body = near.facet[k].body;
-      const dem::BodyPose& pose = walls.pose[body];
+      const particles::BodyPose& pose = walls.pose[body];
       // Pressure acts on the wall along the line to the particle, shear at the nearest point of its plane.
       const Vec3d shear =
           s.viscous +
           (walls.slip[body] != 0 ? Vec3d{} : shear_of_turning(wall, s.integrals, s.normal, pose.w, p.volume));
       const Vec3d moment = cross(p.x - pose.p, total - s.viscous) + cross(s.foot - pose.p, shear);
-      for (int a = 0; a < 3; ++a) sum.acceleration[a] += dem::to_fixed(total[a], quanta.acceleration);
+      for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(total[a], quanta.acceleration);
       bodies.add(body, -total, -mass * moment, quanta);
       tally.add(Power::ghost, mass * dot(ghost, p.v - s.v_wall), quanta.power);
       tally.add(Power::walls, mass * dot(total, s.v_wall), quanta.power);
@@ -162,9 +163,9 @@ struct SumWalls {
     std::uint32_t body = 0;
 
     TANDEM_HD void take(const NearFacet& f, Vec3d x, double range) {
-      dem::WallContact contact;
-      const dem::Facet facet{f.a, f.b, f.c, f.normal};
-      if (!dem::touch_triangle(facet, x, range, contact) || contact.gap + range >= distance) return;
+      particles::WallContact contact;
+      const particles::Facet facet{f.a, f.b, f.c, f.normal};
+      if (!particles::touch_triangle(facet, x, range, contact) || contact.gap + range >= distance) return;
       distance = contact.gap + range;
       point = contact.point;
       normal = contact.normal;
@@ -176,10 +177,10 @@ struct SumWalls {
   TANDEM_HD void repel(const Particle& p, const Nearest& nearest, WallSums& sum, Tally& tally,
                        Bodies& bodies) const {
     const Vec3d push =
-        dem::rounded(repulsion.acceleration(nearest.distance) * nearest.normal, quanta.acceleration);
-    const dem::BodyPose& pose = walls.pose[nearest.body];
+        particles::rounded(repulsion.acceleration(nearest.distance) * nearest.normal, quanta.acceleration);
+    const particles::BodyPose& pose = walls.pose[nearest.body];
     const Vec3d v_wall = pose.v + cross(pose.w, nearest.point - pose.p);
-    for (int a = 0; a < 3; ++a) sum.acceleration[a] += dem::to_fixed(push[a], quanta.acceleration);
+    for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(push[a], quanta.acceleration);
     sum.repelled = push;
     bodies.add(nearest.body, -push, -mass * cross(nearest.point - pose.p, push), quanta);
     tally.add(Power::repulsion, mass * dot(push, p.v - v_wall), quanta.power);
@@ -207,8 +208,8 @@ struct SumWalls {
         const double push =
             p.volume * wall.inverse_mass *
             (2 * p.pressure * integrals.surface - wall.density * dot(by_pressure, integrals.moment));
-        const Vec3d force = dem::rounded(-push * facet[k].normal, quanta.acceleration);
-        const dem::BodyPose &pose_f = walls.pose[f.body], &pose_g = walls.pose[g.body];
+        const Vec3d force = particles::rounded(-push * facet[k].normal, quanta.acceleration);
+        const particles::BodyPose &pose_f = walls.pose[f.body], &pose_g = walls.pose[g.body];
         const Vec3d arm_f = p.x - pose_f.p, arm_g = p.x - pose_g.p;
         bodies.add(f.body, force, mass * cross(arm_f, force), quanta);
         bodies.add(g.body, -force, -mass * cross(arm_g, force), quanta);

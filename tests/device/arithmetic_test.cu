@@ -47,7 +47,7 @@ void expect_all_right(Judge judge, unsigned long long at_least) {
 struct Root {
   __device__ Verdict operator()(std::uint32_t bits) const {
     const float x = __uint_as_float(bits);
-    return x >= 0x1p-100F && x < INFINITY ? same_bits(dem::root(x), __fsqrt_rn(x)) : left_out;
+    return x >= 0x1p-100F && x < INFINITY ? same_bits(particles::root(x), __fsqrt_rn(x)) : left_out;
   }
 };
 TEST(Arithmetic, RootsAreRoundedCorrectlyForEveryOperand) {
@@ -57,7 +57,8 @@ TEST(Arithmetic, RootsAreRoundedCorrectlyForEveryOperand) {
 struct Reciprocal {
   __device__ Verdict operator()(std::uint32_t bits) const {
     const float x = __uint_as_float(bits), size = fabsf(x);
-    return size >= 0x1p-126F && size < 0x1p126F ? same_bits(dem::reciprocal(x), __frcp_rn(x)) : left_out;
+    return size >= 0x1p-126F && size < 0x1p126F ? same_bits(particles::reciprocal(x), __frcp_rn(x))
+                                                : left_out;
   }
 };
 TEST(Arithmetic, ReciprocalsAreRoundedCorrectlyForEveryOperand) {
@@ -82,7 +83,7 @@ struct Quotient {
     const float a = operand(mixed(bits), h), b = operand(mixed(~bits ^ seed), h >> 12),
                 exact = __fdiv_rn(a, b);
     if (!(exact >= 0x1p-100F && exact <= 0x1p100F)) return left_out;
-    return same_bits(dem::quotient(a, b), exact);
+    return same_bits(particles::quotient(a, b), exact);
   }
 };
 TEST(Arithmetic, QuotientsAreRoundedCorrectly) {
@@ -94,8 +95,8 @@ struct QuotientOfMantissas {
   __device__ Verdict operator()(std::uint32_t bits) const {
     const float a = __uint_as_float(0x3f800000u | (bits & 0x007fffffu)),
                 b = __uint_as_float(0x3f800000u | (0x007fffffu - (bits >> 23) * 16411u));
-    return same_bits(dem::quotient(a, b), __fdiv_rn(a, b)) == right
-               ? same_bits(dem::quotient(b, a), __fdiv_rn(b, a))
+    return same_bits(particles::quotient(a, b), __fdiv_rn(a, b)) == right
+               ? same_bits(particles::quotient(b, a), __fdiv_rn(b, a))
                : wrong;
   }
 };
@@ -106,7 +107,7 @@ TEST(Arithmetic, QuotientsOfEveryMantissaAreRoundedCorrectly) {
 struct QuotientOfZero {
   __device__ Verdict operator()(std::uint32_t bits) const {
     const float b = __uint_as_float(bits);
-    return b >= 0x1p-100F && b < 0x1p126F ? same_bits(dem::quotient(0, b), 0) : left_out;
+    return b >= 0x1p-100F && b < 0x1p126F ? same_bits(particles::quotient(0, b), 0) : left_out;
   }
 };
 TEST(Arithmetic, NothingDividedIsNothing) {

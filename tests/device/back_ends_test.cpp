@@ -26,7 +26,7 @@
 namespace tandem::test {
 namespace {
 
-using dem::Backend;
+using particles::Backend;
 constexpr double dt = 2e-5;  // [s]
 
 struct Case {
@@ -62,7 +62,7 @@ std::unique_ptr<ParticleRun> through_memory(const std::string& json, const char*
   return std::make_unique<ParticleRun>(json, Backend::cuda, 1, change);
 }
 std::unique_ptr<ParticleRun> through_memory(const std::string& json, const char* lanes = "2") {
-  return through_memory(json, lanes, [](dem::Spheres&) {});
+  return through_memory(json, lanes, [](particles::Spheres&) {});
 }
 
 void expect_same_bits(const dem::WindowOutcome& a, const dem::WindowOutcome& b) {
@@ -116,7 +116,7 @@ TEST_P(BackEnds, LargeRegionsGiveTheSameBits) {
 TEST_P(BackEnds, RegionsThatNoLongerFitGiveTheSameBits) {
   const std::string json =
       falling_spheres(GetParam().law, std::string(GetParam().options) + R"("skin": 0.012,)", 1000);
-  const auto start = [](dem::Spheres& s) {
+  const auto start = [](particles::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {
       s.radius[i] = 0.003;
       const double jitter = 1e-3 * std::sin(static_cast<double>(i));
@@ -295,11 +295,11 @@ TEST_P(BackEnds, ErrorsOfASphereAreTheSame) {
     }
     return expected.has_value();
   };
-  EXPECT_TRUE(expect_same([](dem::Spheres& s) { s.velocity[113].y = std::nan(""); }, dt));
+  EXPECT_TRUE(expect_same([](particles::Spheres& s) { s.velocity[113].y = std::nan(""); }, dt));
   // Steps this long are far too long: where the law or the precision cannot bear it, the run ends within a
   // window.
   expect_same(
-      [](dem::Spheres& s) {
+      [](particles::Spheres& s) {
         s.position[113] = {0, 0, 0.6};
         s.position[114] = {0, 0, 0.6 + 0.1 * s.radius[113]};
         s.position[115] = {0, 0, 0.6 - 0.1 * s.radius[113]};
@@ -353,7 +353,7 @@ TEST(Domain, PeriodicGivesTheSameBits) {
 TEST(Domain, ThatFollowsABodyGivesTheSameBits) {
   for (const char* options : {"{}", R"({"contact": "hertz_frictionless"})", R"({"precision": "double"})"}) {
     const std::string json = tool_scene(nlohmann::json::parse(options)).dump();
-    const auto push = [](dem::Spheres& s) {
+    const auto push = [](particles::Spheres& s) {
       for (std::size_t i = 0; i < s.size(); ++i)
         s.velocity[i] = {0.5 * std::sin(static_cast<double>(i)), 0.2, -1};
     };
@@ -361,8 +361,8 @@ TEST(Domain, ThatFollowsABodyGivesTheSameBits) {
     const auto one_lane = through_memory(json, "1", push);
     for (int w = 0; w < 12; ++w) {
       const Pose pose{{0.4, 0.05, 0.2}, {}};
-      const std::vector<dem::PreparedPath> paths = {dem::prepare_path({}, 100 * dt),
-                                                    dem::prepare_path({pose, pose, {}, {}}, 100 * dt)};
+      const std::vector<particles::PreparedPath> paths = {
+          particles::prepare_path({}, 100 * dt), particles::prepare_path({pose, pose, {}, {}}, 100 * dt)};
       const dem::WindowPlan plan{100, dt, paths, 0, 0, {0.02 * w, 0, 0}};
       const dem::WindowOutcome& a = cpu.engine->advance(plan);
       for (ParticleRun* cuda : {&resident, one_lane.get()}) {
@@ -389,7 +389,7 @@ TEST_P(BackEnds, TangentsAreTheSame) {
   const auto memory = through_memory(json);
   int touched = 0;
   for (int w = 0; w < 12; ++w) {
-    std::vector<dem::BodyPose> poses;
+    std::vector<particles::BodyPose> poses;
     for (const BodyId body : cpu.surface.boundary_bodies) {
       const Pose pose = body == ground ? Pose{} : cpu.scene.mbd->bodies[body.value].pose;
       poses.push_back({pose.p_WB, pose.q_WB.matrix(), {}, {}});
@@ -417,7 +417,8 @@ TEST_P(BackEnds, ContactsOfSpheresHaveTheSameBits) {
   const std::string json = scene.dump();
   ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
   const auto memory = through_memory(json);
-  const std::vector<dem::BodyPose> poses(cpu.surface.boundary_bodies.size(), {{}, Quat{}.matrix(), {}, {}});
+  const std::vector<particles::BodyPose> poses(cpu.surface.boundary_bodies.size(),
+                                               {{}, Quat{}.matrix(), {}, {}});
   std::uint32_t contacts = 0;
   for (int w = 0; w < 12; ++w) {
     dem::ContactsFrame expected, found;
@@ -446,7 +447,8 @@ TEST_P(BackEnds, SumsOfWallsAndEnergiesHaveTheSameBits) {
   const std::string json = scene.dump();
   ParticleRun cpu(json, Backend::cpu, 0), resident(json, Backend::cuda);
   const auto memory = through_memory(json);
-  const std::vector<dem::BodyPose> poses(cpu.surface.boundary_bodies.size(), {{}, Quat{}.matrix(), {}, {}});
+  const std::vector<particles::BodyPose> poses(cpu.surface.boundary_bodies.size(),
+                                               {{}, Quat{}.matrix(), {}, {}});
   const std::vector<std::uint8_t> wanted(poses.size(), 1);
   const auto values = [](const std::vector<dem::BodyContact>& contacts) {
     std::vector<double> all;
@@ -486,9 +488,9 @@ TEST_P(BackEnds, MemoryIsKnownBeforeTheEngineIsMade) {
   ParticleRun run(falling_spheres(GetParam().law, GetParam().options), Backend::cuda);
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cuda);
   dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
-  setup.neighbours = dem::most_neighbours(run.skins);
-  setup.contacts = dem::most_contacts;
-  setup.walls = dem::most_walls;
+  setup.neighbours = particles::most_neighbours(run.skins);
+  setup.contacts = particles::most_contacts;
+  setup.walls = particles::most_walls;
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), dem::make_engine(choice, setup)->memory_bytes());
 }
 

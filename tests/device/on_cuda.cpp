@@ -1,5 +1,5 @@
 #include "tests/support/tested_backend.hpp"
 
-tandem::dem::Backend tandem::test::tested_backend() {
-  return dem::Backend::cuda;
+tandem::particles::Backend tandem::test::tested_backend() {
+  return particles::Backend::cuda;
 }

@@ -10,7 +10,7 @@
 namespace tandem::test {
 
 // Makes the first sphere a boulder; the others fall onto it from all sides, in two layers.
-inline void make_boulder(dem::Spheres& s) {
+inline void make_boulder(particles::Spheres& s) {
   const Vec3d centre{0, 0, 0.3};
   constexpr double boulder = 0.06, grain = 0.004;  // radii [m]
   constexpr std::size_t in_layer = 400;

@@ -18,18 +18,18 @@ namespace tandem::test {
 
 struct ParticleRun {
   scene::Scene scene;
-  dem::Surface surface;
-  dem::Spheres spheres;
-  dem::SkinRange skins;
+  particles::Surface surface;
+  particles::Spheres spheres;
+  particles::SkinRange skins;
   std::unique_ptr<dem::Engine> engine;
 
   // `change` may edit the spheres before the engine receives them (positions, velocities, spins); `meshes`
   // are those of walls, by name.
   template <class Change>
-  ParticleRun(const std::string& json, dem::Backend backend, unsigned threads, Change change,
+  ParticleRun(const std::string& json, particles::Backend backend, unsigned threads, Change change,
               const std::vector<NamedMesh>& meshes = {})
       : scene(scene::parse(json, "test")) {
-    const dem::Fill fill = dem::make_fill(scene, {});
+    const particles::Fill fill = particles::make_fill(scene, {});
     spheres.position = fill.position;
     spheres.velocity = fill.velocity;
     spheres.spin.resize(fill.position.size());
@@ -40,26 +40,27 @@ struct ParticleRun {
     change(spheres);
     double largest = 0;
     for (const double r : spheres.radius) largest = std::max(largest, r);
-    skins = dem::skins_of(*scene.dem, spheres.radius);
-    surface = dem::make_surface(scene, meshes, largest + skins.largest, dem::make_fixed(scene, {}));
+    skins = particles::skins_of(*scene.dem, spheres.radius);
+    surface =
+        particles::make_surface(scene, meshes, largest + skins.largest, particles::make_fixed(scene, {}));
     engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skins, threads});
   }
-  explicit ParticleRun(const std::string& json, dem::Backend backend = dem::Backend::cpu,
+  explicit ParticleRun(const std::string& json, particles::Backend backend = particles::Backend::cpu,
                        unsigned threads = 1)
-      : ParticleRun(json, backend, threads, [](dem::Spheres&) {}) {}
+      : ParticleRun(json, backend, threads, [](particles::Spheres&) {}) {}
 
   // Runs `steps` micro steps of dt [s] with all bodies at rest at their poses of the scene; wall_jump [m] as
   // in WindowPlan.
   const dem::WindowOutcome& advance(std::uint32_t steps, double dt, double wall_jump = 0) {
-    std::vector<dem::PreparedPath> paths;
+    std::vector<particles::PreparedPath> paths;
     for (const BodyId body : surface.boundary_bodies) {
       const Pose pose = body == ground ? Pose{} : scene.mbd->bodies[body.value].pose;
-      paths.push_back(dem::prepare_path({pose, pose, {}, {}}, steps * dt));
+      paths.push_back(particles::prepare_path({pose, pose, {}, {}}, steps * dt));
     }
     return engine->advance({steps, dt, paths, 0, wall_jump});
   }
-  dem::Spheres state() const {
-    dem::Spheres s;
+  particles::Spheres state() const {
+    particles::Spheres s;
     engine->download(s);
     return s;
   }
@@ -87,14 +88,14 @@ std::vector<T> array_of(const Arrays& arrays, const std::string& name) {
 inline std::vector<std::uint32_t> ids_of(const Arrays& arrays) {
   std::vector<std::uint32_t> ids = array_of<std::uint32_t>(arrays, "id");
   const auto side =
-      array_of<dem::WindowProgress>(arrays, "host_window_progress").front().progress[0].state_side;
+      array_of<particles::WindowProgress>(arrays, "host_window_progress").front().progress[0].state_side;
   for (const auto& spin : array_of<dem::Spin<float>>(arrays, side == 0 ? "spin.0" : "spin.1"))
     ids.push_back(spin.id);
   return ids;
 }
 
 // The largest distance between the positions of a sphere in two states [m].
-inline double largest_distance(const dem::Spheres& a, const dem::Spheres& b) {
+inline double largest_distance(const particles::Spheres& a, const particles::Spheres& b) {
   double worst = 0;
   for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, norm(a.position[i] - b.position[i]));
   return worst;

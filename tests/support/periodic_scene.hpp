@@ -43,7 +43,7 @@ struct PeriodicScene {
   }
   template <class Change>
   ParticleRun run(Change change, unsigned threads = 1) const {
-    return ParticleRun(json(), dem::Backend::cpu, threads, change);
+    return ParticleRun(json(), particles::Backend::cpu, threads, change);
   }
 };
 

@@ -5,9 +5,9 @@
 
 namespace tandem::test {
 
-dem::Backend tested_backend();
+particles::Backend tested_backend();
 inline const char* tested_backend_name() {
-  return tested_backend() == dem::Backend::cuda ? "cuda" : "cpu";
+  return tested_backend() == particles::Backend::cuda ? "cuda" : "cpu";
 }
 
 }  // namespace tandem::test

@@ -12,6 +12,7 @@
 #include "dem_server/contact/close_pairs.hpp"
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/backend/traits.hpp"
 #include "particles/base/fixed_point.hpp"
 #include "particles/base/group.hpp"

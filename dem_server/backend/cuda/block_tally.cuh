@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "common/math/vec3.hpp"
+#include "dem_server/particles.hpp"
 #include "particles/base/fixed_point.hpp"
 #include "particles/state/window_progress.hpp"
 

@@ -28,6 +28,7 @@
 #include "dem_server/backend/cuda/fill_lists.cuh"
 #include "dem_server/backend/cuda/resident/resident.cuh"
 #include "dem_server/backend/cuda/streaming/step_kernels.cuh"
+#include "dem_server/particles.hpp"
 #include "particles/backend/cuda/cell_sort.cuh"
 #include "particles/backend/cuda/warp_group.cuh"
 #include "particles/backend/traits.hpp"

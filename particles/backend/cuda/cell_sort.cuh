@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 template <class CellOf>
 __global__ void count_cells_kernel(std::uint32_t n, CellOf cell_of, std::uint32_t* key, std::uint32_t* rank,
@@ -33,4 +33,4 @@ struct OrderInCells {
   }
 };
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

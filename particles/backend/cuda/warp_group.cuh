@@ -7,7 +7,7 @@
 
 #include "particles/base/group.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 
 struct WarpGroup {
   static constexpr unsigned size = 32;
@@ -72,4 +72,4 @@ __global__ void for_each_alone_kernel(std::uint32_t n, F f) {
   }
 }
 
-}  // namespace tandem::dem
+}  // namespace tandem::particles

@@ -45,7 +45,7 @@ void measure(double spheres, unsigned threads, double void_fraction) {
   scene.dem->particles.push_back(group);
   const double cpu_begin = cpu_seconds(CpuClock::process);
   const auto begin = std::chrono::steady_clock::now();
-  const dem::Placement placed = dem::place(scene, 0, {{"ring", ring}}, {}, {}, threads);
+  const particles::Placement placed = particles::place(scene, 0, {{"ring", ring}}, {}, {}, threads);
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   char host[256] = {};
   gethostname(host, sizeof host - 1);

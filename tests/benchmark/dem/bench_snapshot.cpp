@@ -33,7 +33,7 @@ std::string lattice(std::int64_t spheres) {
 
 enum class Snapshot { none, save, save_and_restore };
 
-void windows(benchmark::State& state, dem::Backend backend, Snapshot snapshot) {
+void windows(benchmark::State& state, particles::Backend backend, Snapshot snapshot) {
   std::unique_ptr<ParticleRun> run;
   try {
     run = std::make_unique<ParticleRun>(lattice(state.range(0)), backend);
@@ -56,12 +56,14 @@ void sizes(benchmark::internal::Benchmark* b) {
   b->Arg(10'000)->Arg(1'000'000)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
-BENCHMARK_CAPTURE(windows, cpu, dem::Backend::cpu, Snapshot::none)->Apply(sizes);
-BENCHMARK_CAPTURE(windows, cpu_save, dem::Backend::cpu, Snapshot::save)->Apply(sizes);
-BENCHMARK_CAPTURE(windows, cpu_save_restore, dem::Backend::cpu, Snapshot::save_and_restore)->Apply(sizes);
-BENCHMARK_CAPTURE(windows, cuda, dem::Backend::cuda, Snapshot::none)->Apply(sizes);
-BENCHMARK_CAPTURE(windows, cuda_save, dem::Backend::cuda, Snapshot::save)->Apply(sizes);
-BENCHMARK_CAPTURE(windows, cuda_save_restore, dem::Backend::cuda, Snapshot::save_and_restore)->Apply(sizes);
+BENCHMARK_CAPTURE(windows, cpu, particles::Backend::cpu, Snapshot::none)->Apply(sizes);
+BENCHMARK_CAPTURE(windows, cpu_save, particles::Backend::cpu, Snapshot::save)->Apply(sizes);
+BENCHMARK_CAPTURE(windows, cpu_save_restore, particles::Backend::cpu, Snapshot::save_and_restore)
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(windows, cuda, particles::Backend::cuda, Snapshot::none)->Apply(sizes);
+BENCHMARK_CAPTURE(windows, cuda_save, particles::Backend::cuda, Snapshot::save)->Apply(sizes);
+BENCHMARK_CAPTURE(windows, cuda_save_restore, particles::Backend::cuda, Snapshot::save_and_restore)
+    ->Apply(sizes);
 
 }  // namespace
 }  // namespace tandem::test

@@ -10,7 +10,7 @@
 #include "particles/geometry/facet_contact.hpp"
 #include "particles/geometry/surface.hpp"
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 
 // std::uniform_real_distribution depends on the library.
 class Random {
@@ -86,4 +86,4 @@ inline std::vector<WallContact> contacts(const Surface& s, Vec3d centre, double 
   return all;
 }
 
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

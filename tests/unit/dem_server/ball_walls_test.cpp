@@ -96,12 +96,12 @@ TEST(BallWall, StiffnessForTheBodyIsThatOfTheLaw) {
   nlohmann::json json = nlohmann::json::parse(scene.json());
   json["mbd"] = {
       {"bodies", {{{"name", "anvil"}, {"mass", 1}, {"inertia", {1, 1, 1}}, {"position", {0, 0, -R}}}}}};
-  ParticleRun run(json.dump(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(json.dump(), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     s.position[0] = {0, 0, R - overlap};
   });
   run.advance(1, 1e-12);
-  const std::vector<dem::BodyPose> poses{{{}, Mat3d::identity(), {}, {}},
-                                         {{0, 0, -R}, Mat3d::identity(), {}, {}}};
+  const std::vector<particles::BodyPose> poses{{{}, Mat3d::identity(), {}, {}},
+                                               {{0, 0, -R}, Mat3d::identity(), {}, {}}};
   const auto bodies = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.boundary_bodies);
   ASSERT_EQ(bodies.size(), 1u);
   expect_close("k_n [N/m]", bodies[0].stiffness[6 * 2 + 2], 2 * scene.e_star() * std::sqrt(R / 2 * overlap),

@@ -156,7 +156,7 @@ TEST(Jkr, SlowerSpheresStickAndFasterLoseTheWorkOfAdhesion) {
     for (const double share : {0.95, 1.05, 2.0}) {
       ParticleRun run = scene.run(R, {0, 0, -share * least});
       for (int step = 0; step < 400 && run.state().position[0].z < 1.05 * R; ++step) run.advance(500, dt);
-      const dem::Spheres s = run.state();
+      const particles::Spheres s = run.state();
       std::printf("  %s, %.2f of the sticking speed: ", precision, share);
       if (share < 1) {
         std::printf("at %.4f R\n", s.position[0].z / R);
@@ -183,13 +183,13 @@ TEST(Jkr, TwoSpheresHoldEachOther) {
   scene.count = 2;
   scene.constants["restitution"] = 0.3;
   const double R = scene.radius, pair_k = 4.0 / 3 * scene.e_star() * std::sqrt(R / 2);
-  ParticleRun run(scene.json(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(scene.json(), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     s.position = {{0, 0, 0}, {1.9999 * R, 0, 0}};
   });
   for (int w = 0; w < 40; ++w) run.advance(2000, 2e-9);
   // At rest F = 0: t^3 = 3/2.
   const double t = std::cbrt(1.5), at_rest = dem::Jkr::length(0.1, R / 2, pair_k) * (std::pow(t, 4) - t);
-  const dem::Spheres s = run.state();
+  const particles::Spheres s = run.state();
   expect_close("overlap at rest [m]", 2 * R - (s.position[1].x - s.position[0].x), at_rest, 1e-3);
 }
 

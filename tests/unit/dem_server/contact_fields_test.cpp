@@ -22,7 +22,7 @@ std::string with_fields(const std::string& scene) {
 }
 
 dem::ContactsFrame contacts_of(ParticleRun& run) {
-  std::vector<dem::BodyPose> poses;
+  std::vector<particles::BodyPose> poses;
   for (const BodyId body : run.surface.boundary_bodies) {
     const Pose pose = body == ground ? Pose{} : run.scene.mbd->bodies[body.value].pose;
     poses.push_back({pose.p_WB, pose.q_WB.matrix(), {}, {}});
@@ -48,7 +48,7 @@ TEST_P(ContactFields, OfAColumnFollowFromItsOverlaps) {
   PeriodicScene scene = bed(nlohmann::json::parse(GetParam()));
   scene.count = 3;
   const double r = scene.radius, low = r / 64, high = r / 128;
-  ParticleRun run(with_fields(scene.json()), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(with_fields(scene.json()), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     s.position = {{r, r, r - low}, {r, r, 3 * r - low - high}, {0.06, 0.06, 0.1}};
   });
   const dem::ContactsFrame frame = contacts_of(run);
@@ -90,7 +90,7 @@ TEST_P(ContactFields, OfABedAtRestBearItsWeight) {
                          plane({0, size, 0}, {0, -1, 0}, "y")};
   for (int a = 0; a < 2; ++a)
     all["mbd"]["bodies"].push_back({{"name", std::string(1, names[a])}, {"mass", 1}, {"inertia", {1, 1, 1}}});
-  ParticleRun run(all.dump(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(all.dump(), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {  // no columns, in which nothing would press on the sides
       const auto phase = static_cast<double>(i);
       s.position[i] += 0.1 * scene.radius * Vec3d{std::sin(12.9 * phase), std::cos(78.2 * phase), 0};
@@ -101,7 +101,7 @@ TEST_P(ContactFields, OfABedAtRestBearItsWeight) {
   const dem::WindowOutcome& last = run.advance(1, frame_dt);
   const double on_x = last.load[1].force.x, on_y = last.load[2].force.y;
   const dem::ContactsFrame frame = contacts_of(run);
-  const dem::Spheres s = run.state();
+  const particles::Spheres s = run.state();
   double virial = 0, expected = size * (on_x + on_y), fastest = 0;
   std::uint32_t total = 0, touching = 0;
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -147,7 +147,7 @@ TEST(BodyContacts, AreTheLoadOfTheNextStep) {
     nlohmann::json all = nlohmann::json::parse(falling_spheres(law, "", 150));
     all["output"]["contacts"] = {"ground"};
     ParticleRun run(all.dump()), without(falling_spheres(law, "", 150));
-    const std::vector<dem::BodyPose> poses{{{}, Quat{}.matrix(), {}, {}}};
+    const std::vector<particles::BodyPose> poses{{{}, Quat{}.matrix(), {}, {}}};
     const std::vector<std::uint8_t> wanted{1}, none{0};
     EXPECT_TRUE(run.engine->body_contacts({poses, frame_dt}, wanted).empty())
         << "no sphere touches a wall at the start";
@@ -155,7 +155,7 @@ TEST(BodyContacts, AreTheLoadOfTheNextStep) {
       run.advance(400, frame_dt);
       without.advance(400, frame_dt);
       const std::vector<dem::BodyContact> contacts = run.engine->body_contacts({poses, frame_dt}, wanted);
-      const dem::Spheres s = run.state();
+      const particles::Spheres s = run.state();
       Vec3d sum;
       for (std::size_t i = 0; i < contacts.size(); ++i) {
         const dem::BodyContact& c = contacts[i];
@@ -184,8 +184,9 @@ TEST(BodyContacts, AreTheLoadOfTheNextStep) {
 
 TEST(ContactFieldsOfVariants, HaveTheSameBits) {
   for (const char* law : {"hertz_mindlin", "hertz_frictionless", "paper"}) {
-    ParticleRun special(with_fields(falling_spheres(law, "", 150)), dem::Backend::cpu, 1),
-        generic(with_fields(falling_spheres(law, R"("variant": "generic",)", 150)), dem::Backend::cpu, 3);
+    ParticleRun special(with_fields(falling_spheres(law, "", 150)), particles::Backend::cpu, 1),
+        generic(with_fields(falling_spheres(law, R"("variant": "generic",)", 150)), particles::Backend::cpu,
+                3);
     for (int w = 0; w < 3; ++w) {
       special.advance(400, frame_dt);
       generic.advance(400, frame_dt);
@@ -203,14 +204,14 @@ TEST(ContactFieldsOfCohesion, PullAcrossAGap) {
   scene.gravity = {};
   scene.count = 2;
   const double r = scene.radius;
-  ParticleRun run(with_fields(scene.json()), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(with_fields(scene.json()), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     s.position = {{0.05, 0.05, 0.06}, {0.05 + 2 * r - 1e-6, 0.05, 0.06}};
     s.velocity = {{-0.02, 0, 0}, {0.02, 0, 0}};
   });
   bool pulled_across = false;
   for (int w = 0; w < 200 && !pulled_across; ++w) {
     run.advance(1, frame_dt);
-    const dem::Spheres s = run.state();
+    const particles::Spheres s = run.state();
     const dem::ContactsFrame frame = contacts_of(run);
     if (norm(s.position[1] - s.position[0]) <= 2 * r || frame.count[0] == 0) continue;
     pulled_across = true;

@@ -55,7 +55,7 @@ struct ContactScene {
   }
   // The sphere at `height` above the plane.
   ParticleRun run(double height, Vec3d velocity, Vec3d spin = {}) const {
-    return ParticleRun(json(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+    return ParticleRun(json(), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
       s.position[0] = {0, 0, height};
       s.velocity[0] = velocity;
       s.spin[0] = spin;

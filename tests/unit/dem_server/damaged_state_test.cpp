@@ -117,7 +117,7 @@ TEST_P(DamagedParticleState, MoreLostSpheresThanAreMissingAreRefused) {
     }
     return "none";
   };
-  const std::size_t lost = offsetof(dem::WindowProgress, lost);
+  const std::size_t lost = offsetof(particles::WindowProgress, lost);
   EXPECT_EQ(refusal({"engine/host_window_progress", "engine/window_progress"}, lost, 1'000'000),
             "its array 'host_window_progress' is damaged: it has lost more spheres than are missing");
   EXPECT_EQ(refusal({"engine/host_window_progress"}, lost, 1),

@@ -30,7 +30,7 @@ double sum(const std::vector<double>& energy) {
 }
 
 // Of translation and rotation, and of gravity over z = 0, of spheres of density 2500 kg/m3 [J].
-double energy_of(const dem::Spheres& s, double g) {
+double energy_of(const particles::Spheres& s, double g) {
   double energy = 0;
   for (std::size_t i = 0; i < s.size(); ++i) {
     const double r = s.radius[i], mass = 2500 * 4.0 / 3 * std::numbers::pi * r * r * r;
@@ -49,7 +49,7 @@ TEST_P(Dissipated, InImpacts) {
       R"(", "pairs": [{"a": "m", "b": "m", "restitution": 0.5, "friction": 0.3, "spring_stiffness": 2000}]})"));
   scene.gravity = {};
   scene.count = 3;
-  ParticleRun run(with_dissipation(scene.json()), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(with_dissipation(scene.json()), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     const double r = s.radius[0];
     s.position = {{0.02, 0.06, 0.06}, {0.02 + 2.01 * r, 0.06, 0.063}, {0.08, 0.06, 1.01 * r}};
     s.velocity = {{0.4, 0.2, 0}, {-0.3, 0, 0}, {0.3, 0.1, -0.4}};
@@ -84,7 +84,7 @@ TEST_P(Dissipated, WhereManySpheresFall) {
                           {"position", {0.125, 0.125, 0.125}},
                           {"shape", {{"type", "box"}, {"size", {0.125, 0.125, 0.25}}, {"open", {"+z"}}}}}};
   ParticleRun run(with_dissipation(all.dump())), without(all.dump()),
-      three(with_dissipation(all.dump()), dem::Backend::cpu, 3);
+      three(with_dissipation(all.dump()), particles::Backend::cpu, 3);
   constexpr double g = 9.81;
   const double before = energy_of(run.state(), g);
   constexpr int windows = sanitized ? 12 : 40;

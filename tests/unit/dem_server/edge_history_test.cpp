@@ -65,13 +65,13 @@ void expect_history_beyond_the_edge(const nlohmann::json& dem, double direction)
       {{"name", "w"}, {"material", "m"}, {"shape", {{"type", "mesh"}, {"file", "roof.stl"}}}}};
 
   const double R = plane.radius, dt = 1e-8;
-  const auto start = [&](dem::Spheres& s) {
+  const auto start = [&](particles::Spheres& s) {
     s.position[0] = {-direction * 0.5e-4 * R, 0, R - 1e-3 * R};
     s.velocity[0] = {direction, 0.5, 0};
     s.spin[0] = {direction * 10, direction * 20, 30};
   };
-  ParticleRun on_plane(plane.json(), dem::Backend::cpu, 1, start),
-      on_bend(bent.json(), dem::Backend::cpu, 1, start, {{"w", roof(10 * R)}});
+  ParticleRun on_plane(plane.json(), particles::Backend::cpu, 1, start),
+      on_bend(bent.json(), particles::Backend::cpu, 1, start, {{"w", roof(10 * R)}});
   Held before = held_by<Real>(on_bend, 49, dt), flat = held_by<Real>(on_plane, 49, dt);
   expect_the_same("spring before [m]", before.spring, flat.spring);
   const Held after = held_by<Real>(on_bend, 51, dt);

@@ -17,7 +17,7 @@
 namespace tandem::test {
 namespace {
 
-using dem::Backend;
+using particles::Backend;
 
 constexpr double dt = 2e-5;  // [s]
 
@@ -141,7 +141,7 @@ TEST(Arrays, OfAnotherLengthAreRefusedByName) {
     };
     EXPECT_NO_THROW(read()) << name;
     const bool of_pairs = name == "pairs.entry" || name == "pairs.spring";  // these may have spare memory
-    const auto listed = array_of<dem::WindowProgress>(arrays, "host_window_progress").front().listed;
+    const auto listed = array_of<particles::WindowProgress>(arrays, "host_window_progress").front().listed;
     ASSERT_GT(listed, 0u);
     arrays.at(name).resize(of_pairs ? (listed - 1) * (name == "pairs.entry" ? 4 : 12)
                                     : arrays.at(name).size() - 16);
@@ -159,9 +159,9 @@ TEST_P(EveryLaw, MemoryIsKnownBeforeTheEngineIsMade) {
   dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
   const dem::EngineChoice choice = dem::choose_engine(run.scene, Backend::cpu);
   EXPECT_GT(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes()) << "with grown lists";
-  setup.neighbours = dem::most_neighbours(run.skins);
-  setup.contacts = dem::most_contacts;
-  setup.walls = dem::most_walls;
+  setup.neighbours = particles::most_neighbours(run.skins);
+  setup.contacts = particles::most_contacts;
+  setup.walls = particles::most_walls;
   setup.steps = 300;
   run.engine = dem::make_engine(choice, setup);
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), run.engine->memory_bytes());
@@ -279,7 +279,7 @@ TEST(Engine, TurnsAreStoredOnlyWhereTheSceneNeedsThem) {
 TEST(Engine, ForcesOfAPairCancelToTheBit) {
   // Two touching spheres without gravity: the sum of their momenta does not change at all.
   const std::string json = falling_spheres("hertz_mindlin", "", 2);
-  ParticleRun run(json, Backend::cpu, 1, [](dem::Spheres& s) {
+  ParticleRun run(json, Backend::cpu, 1, [](particles::Spheres& s) {
     s.radius = {0.01, 0.008};
     s.position = {{0, 0, 0.3}, {0.0179, 0.0004, 0.3002}};
     s.velocity = {{0.3, 0.1, 0}, {-0.4, 0, 0.2}};
@@ -296,7 +296,7 @@ TEST(Engine, ForcesOfAPairCancelToTheBit) {
 TEST(Engine, BooksOfSmallSpheresBesideAHeavyOne) {
   constexpr int small = 1000, steps = 10;
   const std::string json = falling_spheres("hertz_mindlin", "", small + 1);
-  ParticleRun run(json, Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(json, Backend::cpu, 1, [&](particles::Spheres& s) {
     ASSERT_EQ(s.size(), small + 1u);
     s.waiting = 1;
     for (std::size_t i = 0; i <= small; ++i) {
@@ -321,8 +321,8 @@ TEST_P(EveryLaw, ThoseThatStayMoveAsIfAlone) {
   std::string json = falling(GetParam(), "", 600);
   const std::string sizes = "[0.008, 0.01]";
   json.replace(json.find(sizes), sizes.size(), "0.009");
-  ParticleRun many(json), few(json, Backend::cpu, 1, [&](dem::Spheres&s) {
-    const dem::Spheres all = s;
+  ParticleRun many(json), few(json, Backend::cpu, 1, [&](particles::Spheres&s) {
+    const particles::Spheres all = s;
     std::size_t n = 0;
     for (std::size_t i = 0; i < all.size(); ++i)
       if (all.position[i].z < border) s.position[n++] = all.position[i];
@@ -349,7 +349,7 @@ TEST_P(EveryLaw, FrameHasTheSpheresOfTheState) {
   run.advance(100, dt);
   const std::uint64_t gone = run.engine->remove({{0, 0, 0.08}, {}, {0, 0, 1}, true});
   EXPECT_GT(gone, 400u);
-  const dem::Spheres state = run.state();
+  const particles::Spheres state = run.state();
   dem::SphereFrame frame;
   run.engine->download(frame);
   EXPECT_EQ(frame.id, state.id);
@@ -372,14 +372,14 @@ TEST(Engine, AFailureTellsWhatSpheresWereBefore) {
     std::string scene = falling_spheres("hertz_mindlin", precision, 4);
     const std::string soft = R"("young": 1e7)";
     scene.replace(scene.find(soft), soft.size(), R"("young": 1e13)");
-    ParticleRun run(scene, Backend::cpu, 1, [](dem::Spheres& s) {
+    ParticleRun run(scene, Backend::cpu, 1, [](particles::Spheres& s) {
       s.radius = {0.01, 0.01, 0.01, 0.01};
       s.position = {{0, 0, 0.4}, {0.012, 0, 0.4}, {0.1, 0.1, 0.6}, {-0.1, 0.1, 0.5}};
       s.velocity = {{}, {}, {0, 0, 2000}, {0.001, 0, 0}};
       s.spin = {{1, 2, 3}, {0, -5, 4}, {7, 8, 9}, {2, 2, 2}};
     });
     run.advance(1, 1e-12);
-    const dem::Spheres expected = run.state();
+    const particles::Spheres expected = run.state();
     try {
       run.advance(1, 1e-4);
       FAIL() << "no sphere is too fast";
@@ -398,7 +398,7 @@ TEST(Engine, AFailureTellsWhatSpheresWereBefore) {
 // A sphere deep in the floor, and one with a higher id that is too fast, which is the graver error.
 TEST(Engine, OfTwoErrorsTheGraverOneIsToldWithItsSphere) {
   for (const bool fast : {false, true}) {
-    ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [&](dem::Spheres& s) {
+    ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [&](particles::Spheres& s) {
       s.radius = {0.01, 0.01};
       s.position = {{0.2, 0.2, -0.058}, {0, 0, 0.4}};
       s.velocity = {{0, 0, -1000}, {0, 0, fast ? 2e5 : 1.0}};
@@ -420,7 +420,7 @@ TEST(Engine, SpheresDoNotLeaveTheCountInOneStep) {
   for (const auto& [precision, fails] : {std::pair("mixed", true), std::pair("double", false)}) {
     ParticleRun run(
         falling_spheres("hertz_mindlin", R"("precision": ")" + std::string(precision) + R"(",)", 1),
-        Backend::cpu, 1, [](dem::Spheres& s) {
+        Backend::cpu, 1, [](particles::Spheres& s) {
           s.radius = {0.01};
           s.position = {{0, 0, 0.4}};
           s.velocity = {{0, 0, 9e4}};
@@ -439,7 +439,7 @@ TEST(Engine, SpheresDoNotLeaveTheCountInOneStep) {
 
 // The energy balance has room for speeds of 10 km/s; this energy is the 2^-68th part of that.
 TEST(Engine, BooksKnowTheEnergyOfSpheresThatHardlyMove) {
-  ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [](dem::Spheres& s) {
+  ParticleRun run(falling_spheres("hertz_mindlin", "", 2), Backend::cpu, 1, [](particles::Spheres& s) {
     s.radius = {0.01, 0.01};
     s.position = {{0, 0, 0.3}, {0.1, 0, 0.3}};
     s.velocity = {{1e-6, 0, 0}, {0, -2e-6, 2e-6}};
@@ -461,7 +461,7 @@ TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
                R"("domain": {"min": [-15, -15, -15], "max": [15, 15, 15]})");
   // A length of 0.025 m, twice radius and skin, is below 2^30 quanta of 2^-35 m.
   const double apart = std::ldexp(1.0, 32 - 35);
-  ParticleRun run(vast, Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(vast, Backend::cpu, 1, [&](particles::Spheres& s) {
     s.radius = {0.01, 0.01};
     s.position = {{0.03, 0, 0.3}, {0.03 + apart + 0.015, 0, 0.3}};
     s.velocity = {{}, {}};
@@ -473,7 +473,7 @@ TEST(Engine, SpheresFarApartInAVastDomainDoNotTouch) {
 
 TEST(Engine, SphereThatLeavesTheDomainIsCountedWithItsMomentum) {
   const std::string json = falling_spheres("hertz_frictionless", "", 1);
-  ParticleRun run(json, Backend::cpu, 1, [](dem::Spheres& s) {
+  ParticleRun run(json, Backend::cpu, 1, [](particles::Spheres& s) {
     s.position = {{0, 0, 0.79}};
     s.velocity = {{0, 0, 5}};
   });
@@ -486,7 +486,7 @@ TEST(Engine, SphereThatLeavesTheDomainIsCountedWithItsMomentum) {
 
 TEST(Engine, NotANumberIsAnErrorThatNamesTheSphere) {
   ParticleRun run(falling_spheres("hertz_mindlin", "", 20), Backend::cpu, 1,
-                  [](dem::Spheres& s) { s.velocity[13].y = std::nan(""); });
+                  [](particles::Spheres& s) { s.velocity[13].y = std::nan(""); });
   try {
     run.advance(10, dt);
     FAIL() << "a NaN passed";

@@ -65,7 +65,7 @@ TEST(FixedSpheres, CarryASphereInTheHollowBetweenThree) {
     const Hollow hollow(friction);
     // Without friction it moves to its equilibrium, with friction it stays there.
     const Vec3d offset = friction > 0 ? Vec3d{} : hollow.R * Vec3d{0.003, -0.002, 0.01};
-    ParticleRun run(hollow.dem().dump(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+    ParticleRun run(hollow.dem().dump(), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
       s.position[0] = Vec3d{0, 0, hollow.height} + offset;
     });
     ASSERT_EQ(run.spheres.size(), 1u);
@@ -81,7 +81,7 @@ TEST(FixedSpheres, CarryASphereInTheHollowBetweenThree) {
     EXPECT_LT(std::hypot(x.x, x.y), 1e-8 * hollow.R);
     EXPECT_EQ(dem::test::contacts(run.surface, x, hollow.R).size(), 3u);
     // Each has the overlap of the closed form.
-    for (const dem::WallContact& contact : dem::test::contacts(run.surface, x, hollow.R))
+    for (const particles::WallContact& contact : dem::test::contacts(run.surface, x, hollow.R))
       EXPECT_NEAR(-contact.gap, hollow.overlap, 1e-4 * hollow.overlap);
   }
 }
@@ -93,8 +93,8 @@ TEST(FixedSpheres, NeighboursDoNotCoverEachOther) {
   for (const double B : {0.2, 0.5, 1.0, 3.0}) {
     scene::Scene scene = dem::test::empty_scene();
     scene.dem->particles.resize(1);
-    const std::vector<dem::FixedSphere> pair{{{-B, 0, 0}, B, 0, 0}, {{B, 0, 0}, B, 0, 0}};
-    const dem::Surface s = dem::make_surface(scene, {}, 1.5 * R, pair);
+    const std::vector<particles::FixedSphere> pair{{{-B, 0, 0}, B, 0, 0}, {{B, 0, 0}, B, 0, 0}};
+    const particles::Surface s = particles::make_surface(scene, {}, 1.5 * R, pair);
     // Overlaps of 5 % and of 0.1 % of the smaller radius.
     const double smaller = std::min(R, B), deep = 0.05 * smaller, shallow = 0.001 * smaller;
     const double a = R + B - deep, b = R + B - shallow;
@@ -127,12 +127,12 @@ TEST(FixedSpheres, GoOnBeyondPeriodicFaces) {
     return all.dump();
   };
   const double R = ContactScene{}.radius, B = 0.8 * R, period = 2 * B * 8;
-  const auto start = [&](dem::Spheres& s) {
+  const auto start = [&](particles::Spheres& s) {
     s.position[0] = {B, 0, 1.65 * R};
     s.velocity[0] = {1.5, 0, 0};
   };
-  ParticleRun endless(scene_of(40, false), dem::Backend::cpu, 1, start),
-      periodic(scene_of(8, true), dem::Backend::cpu, 1, start);
+  ParticleRun endless(scene_of(40, false), particles::Backend::cpu, 1, start),
+      periodic(scene_of(8, true), particles::Backend::cpu, 1, start);
   double worst = 0;
   for (int w = 0; w < 200; ++w) {
     endless.advance(100, 1e-5);
@@ -153,10 +153,10 @@ TEST(FixedSpheres, WhoseImagesASphereCouldTouchAtOnceAreRefused) {
   scene::Dem dem;
   dem.domain = {{0, -1, 0}, {0.048, 1, 1}};
   dem.periodic[0] = true;
-  const std::vector<dem::FixedSphere> spheres{{{}, 0.01, 0, 3}, {{0.02, 0, 0}, 0.0175, 0, 4}};
-  EXPECT_NO_THROW(dem::expect_single_images(spheres, dem, 0.0064));
+  const std::vector<particles::FixedSphere> spheres{{{}, 0.01, 0, 3}, {{0.02, 0, 0}, 0.0175, 0, 4}};
+  EXPECT_NO_THROW(particles::expect_single_images(spheres, dem, 0.0064));
   EXPECT_EQ(
-      error_of([&] { dem::expect_single_images(spheres, dem, 0.0066); }),
+      error_of([&] { particles::expect_single_images(spheres, dem, 0.0066); }),
       "scene: dem.particles[4]: a fixed sphere of radius 0.0175 m in a domain of 0.048 m along the periodic "
       "axis x: one "
       "of radius 0.0066 m could touch two of its images at once (use smaller ones, or a period of at least "
@@ -173,18 +173,19 @@ TEST(FixedSpheres, ThatOverlapOthersAtTheStartAreRefusedOrMakeRoom) {
                                         {"spacing", 2 * R},
                                         {"count", 1}};
   const scene::Scene scene = scene::parse(all.dump(), "test");
-  dem::Fill fill = dem::make_fill(scene, {});
-  const dem::Surface surface = dem::make_surface(scene, {}, 1.5 * R, dem::make_fixed(scene, {}));
+  particles::Fill fill = particles::make_fill(scene, {});
+  const particles::Surface surface =
+      particles::make_surface(scene, {}, 1.5 * R, particles::make_fixed(scene, {}));
   ASSERT_EQ(fill.position.size(), 1u);
   std::string message;
   try {
-    dem::check_start(fill, surface, scene);
+    particles::check_start(fill, surface, scene);
   } catch (const Error& error) {
     message = error.what();
   }
   EXPECT_THAT(message, HasSubstr("overlaps a fixed sphere of 'f"));
-  EXPECT_EQ(dem::relax_start(fill, surface, scene).moved, 1u);
-  dem::check_start(fill, surface, scene);
+  EXPECT_EQ(particles::relax_start(fill, surface, scene).moved, 1u);
+  particles::check_start(fill, surface, scene);
 }
 
 TEST(FixedSpheres, AreNoSpheresOfTheRun) {

@@ -54,7 +54,7 @@ TEST(Hooke, StickingImpactReturnsTheTangentialVelocity) {
     const double v_n = 0.1, v_t = 0.05;
     ParticleRun run = scene.run(scene.radius, {v_t, 0, -v_n});
     leave(run, scene);
-    const dem::Spheres s = run.state();
+    const particles::Spheres s = run.state();
     expect_close("tangential restitution of the surface",
                  -(s.velocity[0].x - scene.radius * s.spin[0].y) / v_t, e, 2e-3);
   }

@@ -122,7 +122,7 @@ TEST(InterfaceStiffness, SumsEachPairOnceUnderItsBody) {
         expected[near[i].body].entry[k] += tangent[i].entry[k];
       }
     }
-    dem::WindowProgress window;
+    particles::WindowProgress window;
     window.near = count;
     const dem::SumTangentRuns add_up{&window, near.data(), bodies, tangent.data(), runs.data()};
     for (std::uint32_t i = 0; i < dem::tangent_runs * dem::WallTangent::entries; ++i) add_up(i);
@@ -152,11 +152,11 @@ TEST(InterfaceStiffness, BelongsToTheStateAndThePosesItIsAskedFor) {
   ParticleRun run(box_of_spheres);
   constexpr double dt = 2e-5;
   const Pose pose = run.scene.mbd->bodies[0].pose;
-  const std::vector<dem::BodyPose> poses{{{}, Mat3d::identity(), {}, {}},
-                                         {pose.p_WB, pose.q_WB.matrix(), {}, {}}};
-  std::vector<dem::BodyPose> elsewhere = poses;
+  const std::vector<particles::BodyPose> poses{{{}, Mat3d::identity(), {}, {}},
+                                               {pose.p_WB, pose.q_WB.matrix(), {}, {}}};
+  std::vector<particles::BodyPose> elsewhere = poses;
   elsewhere[1].p.x += 1e-4;
-  const auto stiffness = [&run](const std::vector<dem::BodyPose>& at) {
+  const auto stiffness = [&run](const std::vector<particles::BodyPose>& at) {
     const auto bodies = dem::body_tangents(run.engine->wall_tangents(at), run.surface.boundary_bodies);
     return bodies.size() == 1 ? bodies[0].stiffness : std::array<double, 36>{};
   };
@@ -184,7 +184,7 @@ TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
   constexpr double dt = 2e-5;
   for (int i = 0; i < 50; ++i) run.advance(400, dt);
   const Pose pose = run.scene.mbd->bodies[0].pose;
-  const dem::BodyPose ground_pose{{}, Mat3d::identity(), {}, {}},
+  const particles::BodyPose ground_pose{{}, Mat3d::identity(), {}, {}},
       box_pose{pose.p_WB, pose.q_WB.matrix(), {}, {}};
   const std::vector poses{ground_pose, box_pose};
   const auto bodies = dem::body_tangents(run.engine->wall_tangents(poses), run.surface.boundary_bodies);
@@ -199,8 +199,8 @@ TEST(InterfaceStiffness, IsTheDerivativeOfTheLoad) {
   const auto load_at = [&](Vec3d move, Vec3d rolling) {
     run.engine->restore();
     const Pose moved{pose.p_WB + move, (exp(rolling) * pose.q_WB).normalized()};
-    const std::vector<dem::PreparedPath> paths{dem::prepare_path({}, dt),
-                                               dem::prepare_path({moved, moved, {}, {}}, dt)};
+    const std::vector<particles::PreparedPath> paths{particles::prepare_path({}, dt),
+                                                     particles::prepare_path({moved, moved, {}, {}}, dt)};
     const Wrench w = run.engine->advance({1, dt, paths, 0, 1e-3}).load.at(1);
     return std::array{w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
   };

@@ -43,8 +43,8 @@ void report(const char* what, double measured, double expected, double tolerance
 // energy.
 TEST(Paper, ElasticImpactReachesTheEnergyDepth) {
   const double R = 0.0025, v = 2, rho = 4000, k = 1e9;
-  ParticleRun run(impact_scene("paper", 3.8e11, 0.23, rho, 1, 0.3, R, 1), dem::Backend::cpu, 1,
-                  [&](dem::Spheres& s) {
+  ParticleRun run(impact_scene("paper", 3.8e11, 0.23, rho, 1, 0.3, R, 1), particles::Backend::cpu, 1,
+                  [&](particles::Spheres& s) {
                     s.position = {{0, 0, R}};
                     s.velocity = {{0, 0, -v}};
                   });
@@ -60,7 +60,7 @@ TEST(Paper, SlidingSphereEndsRollingAtFiveSevenths) {
   std::string json = impact_scene("paper", 1e8, 0.25, 2500, 1, 0.3, 0.01, 1);
   json.replace(json.find("[0, 0, 0]"), 9, "[0, 0, -9.81]");
   const double k = 1e9, mass = 4.0 / 3 * std::numbers::pi * 2500 * 1e-6;
-  ParticleRun run(json, dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(json, particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     s.position = {{0, 0, 0.01 - std::pow(mass * 9.81 / k, 2.0 / 3)}};
     s.velocity = {{0.5, 0, 0}};
   });

@@ -66,7 +66,7 @@ void PrintTo(const Domain& d, std::ostream* out) {
 class Lists : public testing::TestWithParam<Domain> {
  protected:
   // Anywhere in the domain without overlap.
-  void scatter(dem::Spheres& s) const {
+  void scatter(particles::Spheres& s) const {
     const std::array<double, 3> size = GetParam().size();
     const std::vector<double>& sizes = GetParam().sizes;
     std::mt19937 random(7);
@@ -99,7 +99,7 @@ class Lists : public testing::TestWithParam<Domain> {
     }
     return norm(d);
   }
-  Pairs expected(const dem::Spheres& s) const {
+  Pairs expected(const particles::Spheres& s) const {
     Pairs pairs;
     for (std::uint32_t i = 0; i < s.size(); ++i)
       for (std::uint32_t j = i + 1; j < s.size(); ++j)
@@ -109,7 +109,7 @@ class Lists : public testing::TestWithParam<Domain> {
 };
 
 TEST_P(Lists, HoldAllPairsWithinReachOnce) {
-  ParticleRun run(GetParam().scene(), dem::Backend::cpu, 1, [&](dem::Spheres& s) { scatter(s); });
+  ParticleRun run(GetParam().scene(), particles::Backend::cpu, 1, [&](particles::Spheres& s) { scatter(s); });
   run.advance(1, 1e-9);
   const Arrays arrays = written(run);
   const auto start = array_of<std::uint32_t>(arrays, "pairs.start"), id = ids_of(arrays);

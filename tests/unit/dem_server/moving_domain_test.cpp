@@ -142,7 +142,7 @@ TEST(MovingDomains, SpheresMeetFarFromItsFirstPlace) {
       scene["dem"]["particles"][0]["fill"]["max"] = {x + 0.5, 0.1, 0.1};
       return scene.dump();
     };
-    const auto start = [](dem::Spheres& s) {
+    const auto start = [](particles::Spheres& s) {
       for (std::size_t i = 0; i < s.size(); ++i) {
         s.position[i] = {7.55 + 0.021 * static_cast<double>(i % 18),
                          0.02 + 0.022 * static_cast<double>(i / 18 % 3),
@@ -150,12 +150,12 @@ TEST(MovingDomains, SpheresMeetFarFromItsFirstPlace) {
         s.velocity[i] = {0.3 * std::sin(static_cast<double>(i)), 0.2, -0.5};
       }
     };
-    ParticleRun moved(scene_at(-8), dem::Backend::cpu, 1, start),
-        always(scene_at(7.5), dem::Backend::cpu, 1, start);
+    ParticleRun moved(scene_at(-8), particles::Backend::cpu, 1, start),
+        always(scene_at(7.5), particles::Backend::cpu, 1, start);
     std::uint64_t rebuilds = 0, contacts = 0;
     for (int w = 0; w < 100; ++w) {
-      std::vector<dem::PreparedPath> paths;
-      for (int body = 0; body < 2; ++body) paths.push_back(dem::prepare_path({}, 1e-3));
+      std::vector<particles::PreparedPath> paths;
+      for (int body = 0; body < 2; ++body) paths.push_back(particles::prepare_path({}, 1e-3));
       const dem::WindowOutcome& o = moved.engine->advance({50, 2e-5, paths, 0, 0, {15.5, 0, 0}});
       always.engine->advance({50, 2e-5, paths, 0, 0, {}});
       rebuilds = o.window.rebuilds;
@@ -197,7 +197,7 @@ TEST(MovingDomains, TooFarForTheCountIsRefused) {
   const auto follow = [&](double shift, const char* precision) {
     return refusal([&] {
       ParticleRun run(scene_at(0, precision));
-      std::vector<dem::PreparedPath> paths(2, dem::prepare_path({}, 1e-3));
+      std::vector<particles::PreparedPath> paths(2, particles::prepare_path({}, 1e-3));
       run.engine->advance({50, 2e-5, paths, 0, 0, {shift, 0, 0}});
     });
   };

@@ -13,7 +13,7 @@ double reach_of_torques(double x) {
   ContactScene contact;
   contact.constants = {{"restitution", 0.5}, {"friction", 0.3}};
   contact.dem = {{"domain", {{"min", {x - 5, -5, -5}}, {"max", {x + 5, 5, 5}}}}};
-  dem::Spheres spheres;
+  particles::Spheres spheres;
   spheres.position = {{x, 0, 1}};
   spheres.velocity = spheres.spin = {{}};
   spheres.id = {0};

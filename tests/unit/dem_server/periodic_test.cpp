@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // Two spheres about `centre` that touch, move and rotate, and both have the velocity `drift` [m/s].
 auto pair_about(Vec3d centre, double gap, Vec3d velocity = {}) {
-  return [=](dem::Spheres& s) {
+  return [=](particles::Spheres& s) {
     const double r = s.radius[0];
     const Vec3d half = {r * 0.75, r * 0.5, r * -0.375};  // exact in binary
     const Vec3d apart = (1 + gap) * half;
@@ -72,9 +72,9 @@ TEST_P(Periodic, APairAcrossAFaceHasTheBitsOfOneInside) {
   ASSERT_EQ(expected.end.contacts, 1u);
   for (const Vec3d at : borders)
     for (const bool exchanged : {false, true}) {  // changes which one has the lower index
-      ParticleRun across = scene().run([&](dem::Spheres& s) {
+      ParticleRun across = scene().run([&](particles::Spheres& s) {
         pair_about(at, 0)(s);
-        for (Vec3d& x : s.position) x = dem::periods_of(*inside.scene.dem).wrapped(x);
+        for (Vec3d& x : s.position) x = particles::periods_of(*inside.scene.dem).wrapped(x);
         if (exchanged)
           for (auto* list : {&s.position, &s.velocity, &s.spin}) std::swap((*list)[0], (*list)[1]);
       });
@@ -82,7 +82,7 @@ TEST_P(Periodic, APairAcrossAFaceHasTheBitsOfOneInside) {
       EXPECT_EQ(found.window.max_overlap_ratio, expected.window.max_overlap_ratio);
       EXPECT_EQ(found.end.contacts, 1u);
       EXPECT_EQ(found.end.kinetic_energy, expected.end.kinetic_energy);
-      const dem::Spheres a = inside.state(), b = across.state();
+      const particles::Spheres a = inside.state(), b = across.state();
       for (std::size_t i = 0; i < 2; ++i) {
         EXPECT_EQ(b.velocity[exchanged ? 1 - i : i], a.velocity[i]) << at.x << " " << at.y << " " << at.z;
         EXPECT_EQ(b.spin[exchanged ? 1 - i : i], a.spin[i]);
@@ -99,23 +99,23 @@ TEST_P(Periodic, AnImpactThatCrossesFacesIsThatInside) {
   for (int w = 0; w < 80; ++w) inside.advance(20, dt);
   EXPECT_GT(inside.advance(1, dt).window.rebuilds, 20u);
   EXPECT_EQ(inside.advance(1, dt).end.contacts, 0u);
-  const dem::Spheres a = inside.state();
+  const particles::Spheres a = inside.state();
   const double tolerance = std::string(GetParam().name) == "double" ? 1e-10 : 1e-5;
   double worst_v = 0, worst_w = 0;
   for (const Vec3d border : borders) {
-    ParticleRun across = s.run([&](dem::Spheres& spheres) {
+    ParticleRun across = s.run([&](particles::Spheres& spheres) {
       // The first one crosses after one millimetre.
       pair_about(border, 0.02, velocity)(spheres);
       const Vec3d off = Vec3d{-0.001, -0.001, 0.001} + border - spheres.position[0];
       for (Vec3d& x : spheres.position) x += off;
     });
     int before = 0, after = 0;  // windows with contact before the first one has crossed, and after
-    const dem::Periods periods = dem::periods_of(*across.scene.dem);
+    const particles::Periods periods = particles::periods_of(*across.scene.dem);
     for (int w = 0; w < 80; ++w) {
       const dem::WindowOutcome& o = across.advance(20, dt);
       const bool touching = o.end.contacts == 1;
       EXPECT_EQ(o.window.lost, 0u);
-      const dem::Spheres now = across.state();
+      const particles::Spheres now = across.state();
       ASSERT_EQ(now.size(), 2u);
       for (const Vec3d& x : now.position) EXPECT_EQ(periods.wrapped(x), x) << "seen in the domain";
       const Vec3d from = periods.shortest(now.position[0] - border);
@@ -126,7 +126,7 @@ TEST_P(Periodic, AnImpactThatCrossesFacesIsThatInside) {
     EXPECT_GT(after, 1);
     across.advance(1, dt);
     across.advance(1, dt);
-    const dem::Spheres b = across.state();
+    const particles::Spheres b = across.state();
     for (std::size_t i = 0; i < 2; ++i) {
       worst_v = std::max(worst_v, norm(b.velocity[i] - a.velocity[i]) / norm(a.velocity[i]));
       worst_w = std::max(worst_w, norm(b.spin[i] - a.spin[i]) / norm(a.spin[i]));
@@ -148,7 +148,7 @@ TEST(PeriodicWall, ASphereSlidesIntoRollingAcrossFacesAsInAWideDomain) {
   PeriodicScene wide = narrow;
   wide.axes = {};
   wide.dem["domain"] = {{"min", {0, 0, 0}}, {"max", {1, 1, 0.25}}};
-  const auto start = [](dem::Spheres& s) {
+  const auto start = [](particles::Spheres& s) {
     s.position[0] = {0.1, 0.2, 0.125 + s.radius[0] * (1 - 1e-4)};
     s.velocity[0] = {1.0, 0.5, 0};
   };
@@ -157,19 +157,19 @@ TEST(PeriodicWall, ASphereSlidesIntoRollingAcrossFacesAsInAWideDomain) {
     EXPECT_EQ(a.advance(500, dt).window.lost, 0u);
     b.advance(500, dt);
   }
-  const dem::Spheres in_narrow = a.state(), in_wide = b.state();
+  const particles::Spheres in_narrow = a.state(), in_wide = b.state();
   std::printf("  speed expected %.12g measured %.12g m/s; went %.3g m\n", in_wide.velocity[0].x,
               in_narrow.velocity[0].x, in_wide.position[0].x - 0.1);
   EXPECT_NEAR(in_narrow.velocity[0].x, 5.0 / 7, 0.01) << "it rolls";
   EXPECT_LT(norm(in_narrow.velocity[0] - in_wide.velocity[0]), 1e-9);
   EXPECT_LT(norm(in_narrow.spin[0] - in_wide.spin[0]), 1e-7);
-  const Vec3d off = dem::periods_of(*a.scene.dem).shortest(in_narrow.position[0] - in_wide.position[0]);
+  const Vec3d off = particles::periods_of(*a.scene.dem).shortest(in_narrow.position[0] - in_wide.position[0]);
   EXPECT_LT(norm(off), 1e-9);
 }
 
 // Hertz's energy of two equal spheres: 8/15 E* sqrt(R/2) delta^2.5.
-double stored_energy(const ParticleRun& run, const dem::Spheres& s) {
-  const dem::Periods periods = dem::periods_of(*run.scene.dem);
+double stored_energy(const ParticleRun& run, const particles::Spheres& s) {
+  const particles::Periods periods = particles::periods_of(*run.scene.dem);
   const scene::Material& m = run.scene.dem->materials[0];
   const double e_star = m.young / (2 * (1 - m.poisson * m.poisson));
   double sum = 0;
@@ -193,8 +193,8 @@ TEST_P(Gas, KeepsMomentumAndEnergyInAllThreeDirections) {
   scene.restitution = 1;
   scene.friction = 0;
   scene.dem = {{"precision", GetParam()}, {"contact", "hertz_frictionless"}};
-  dem::Random random(5);
-  ParticleRun run = scene.run([&](dem::Spheres& s) {
+  particles::Random random(5);
+  ParticleRun run = scene.run([&](particles::Spheres& s) {
     for (Vec3d& v : s.velocity) v = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-0.5, 1.5)};
   });
   Vec3d first;
@@ -224,7 +224,7 @@ TEST_P(Gas, KeepsMomentumAndEnergyInAllThreeDirections) {
 
 TEST(PeriodicBed, WeighsWhatItWeighs) {
   // Thrown sideways, the bed slides and shears until friction has stopped it.
-  ParticleRun run = bed().run([](dem::Spheres& s) {
+  ParticleRun run = bed().run([](particles::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) s.velocity[i] = {0.3 + s.position[i].z, -0.2, 0};
   });
   double mean = 0, side = 0, mass = 0;
@@ -255,7 +255,7 @@ std::string hash_after(ParticleRun& run, int windows) {
   for (int w = 0; w < windows; ++w) run.advance(300, dt);
   return dem::state_hash(run.state());
 }
-const auto left_alone = [](dem::Spheres&) {};
+const auto left_alone = [](particles::Spheres&) {};
 
 TEST_P(Periodic, ThreadsAndWindowsDoNotChangeTheBits) {
   ParticleRun one = chute(json::parse(GetParam().options)).run(left_alone),
@@ -299,13 +299,13 @@ TEST_P(Periodic, SavedAndWrittenRunsGoOnToTheSameBits) {
 
 TEST_P(Periodic, MemoryIsKnownBefore) {
   ParticleRun run = chute(json::parse(GetParam().options)).run(left_alone);
-  const dem::EngineChoice choice = dem::choose_engine(run.scene, dem::Backend::cpu);
+  const dem::EngineChoice choice = dem::choose_engine(run.scene, particles::Backend::cpu);
   EXPECT_THAT(choice.variant, HasSubstr("generic"));
   EXPECT_TRUE(choice.generic_fallback);
   dem::EngineSetup setup{run.scene, run.surface, run.spheres, run.skins, 1};
-  setup.neighbours = dem::most_neighbours(run.skins);
-  setup.contacts = dem::most_contacts;
-  setup.walls = dem::most_walls;
+  setup.neighbours = particles::most_neighbours(run.skins);
+  setup.contacts = particles::most_contacts;
+  setup.walls = particles::most_walls;
   EXPECT_EQ(dem::predicted_bytes(choice, setup, false), dem::make_engine(choice, setup)->memory_bytes());
 }
 

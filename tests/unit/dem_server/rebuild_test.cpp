@@ -14,7 +14,7 @@
 namespace tandem::test {
 namespace {
 
-using dem::Backend;
+using particles::Backend;
 
 constexpr double dt = 2e-5;  // [s]
 
@@ -44,7 +44,7 @@ struct Contacts {
 
   explicit Contacts(const ParticleRun& run) {
     const Arrays arrays = written(run);
-    const auto window = array_of<dem::WindowProgress>(arrays, "host_window_progress").front();
+    const auto window = array_of<particles::WindowProgress>(arrays, "host_window_progress").front();
     in_order = ids_of(arrays).front() == 0;
     const auto take = [&](const std::string& list, std::uint64_t entries, auto is_in_contact,
                           auto spring_of) {
@@ -86,7 +86,7 @@ void expect_little_change(const Contacts& before, const Contacts& after) {
 // Two spheres move together so fast that a list lasts two steps, and cross several layers of cells while in
 // contact.
 ParticleRun passing_cells(const std::string& scene) {
-  return ParticleRun(scene, Backend::cpu, 1, [](dem::Spheres& s) {
+  return ParticleRun(scene, Backend::cpu, 1, [](particles::Spheres& s) {
     s.radius = {0.01, 0.01};
     s.position = {{-0.01, 0, 0.5}, {0.0095, 0.003, 0.497}};
     s.velocity = {{0.05, 0, -12}, {-0.05, 0.02, -12}};
@@ -95,7 +95,7 @@ ParticleRun passing_cells(const std::string& scene) {
 }
 // On the floor, nearly rolling, equally fast.
 ParticleRun bouncing(const std::string& scene) {
-  return ParticleRun(scene, Backend::cpu, 1, [](dem::Spheres& s) {
+  return ParticleRun(scene, Backend::cpu, 1, [](particles::Spheres& s) {
     s.radius = {0.01, 0.01};
     s.position = {{0.2, -0.2, -0.0398}, {0.2, 0.2, 0.5}};
     s.velocity = {{0, 8, -0.5}, {}};
@@ -150,7 +150,7 @@ TEST_P(Rebuild, WhatTouchesIsCarriedOverAndNothingElse) {
     std::uint64_t rebuilds = 1;
     Contacts before(*run);
     for (int step = 0; step < 800; ++step) {
-      const dem::WindowProgress c = run->advance(1, dt).window;
+      const particles::WindowProgress c = run->advance(1, dt).window;
       if (c.rebuilds > rebuilds) {
         ASSERT_EQ(c.carried_entries, before.in_contact) << step;
         const bool listed = c.list_entries + c.wall_entries > 0;
@@ -179,7 +179,7 @@ TEST_P(Rebuild, ThatIsDoneAgainWithMoreRoomGivesTheSameBits) {
               tightest = with_room_for(0, 0, 0);
   for (int w = 0; w < 20; ++w)
     for (ParticleRun* run : {&roomy, &tight, &tightest}) run->advance(400, dt);
-  const dem::WindowProgress c = tight.advance(1, dt).window;
+  const particles::WindowProgress c = tight.advance(1, dt).window;
   EXPECT_GT(std::min<std::uint64_t>(c.wall_entries, c.near), 64u) << "more than there is room for at first";
   for (ParticleRun* run : {&roomy, &tightest}) run->advance(1, dt);
   const Arrays expected = written(roomy), measured = written(tight);
@@ -228,7 +228,7 @@ TEST_P(Rebuild, WhatIsCarriedOverLiesBehindBothLists) {
                            {"normal", {normal.x, normal.y, normal.z}}}}});
       }
     scene["dem"]["domain"] = {{"min", {-1.2, -0.3, -0.1}}, {"max", {1.2, 0.3, 0.8}}};
-    ParticleRun run(scene.dump(), Backend::cpu, 4, [](dem::Spheres& s) {
+    ParticleRun run(scene.dump(), Backend::cpu, 4, [](particles::Spheres& s) {
       for (int i = 0; i < count; ++i) {
         s.radius[i] = 0.01;
         s.position[i] = {0.0198 * (i - count / 2 + 0.5), 0, 0.5};
@@ -253,7 +253,7 @@ TEST_P(Rebuild, WhatIsCarriedOverLiesBehindBothLists) {
   }
   EXPECT_EQ(room_of(tight), std::pair(std::size_t{330}, std::size_t{330}));
   for (ParticleRun* run : {&tight, &roomy}) {
-    const dem::WindowProgress c = run->advance(1, dt, 1.0).window;
+    const particles::WindowProgress c = run->advance(1, dt, 1.0).window;
     EXPECT_EQ(c.rebuilds, 2u);
     EXPECT_EQ(c.carried_entries, 4u * count + count - 1);
     EXPECT_EQ(c.list_entries, count / 2 - 1u);
@@ -281,7 +281,7 @@ TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
             point + R"(], "normal": [)" + axis + "]}},\n";
   for (std::string* of : {&scene, &seldom}) of->insert(of->find(before) + before.size(), cage);
   const auto with_room_for = [](const std::string& json, double contacts) {
-    ParticleRun run(json, Backend::cpu, 1, [](dem::Spheres& s) {
+    ParticleRun run(json, Backend::cpu, 1, [](particles::Spheres& s) {
       s.radius = {0.01};
       s.position = {{0, 0, 0.5}};
       s.velocity = {{0.2, 0.1, -0.15}};
@@ -296,7 +296,7 @@ TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
               kept = with_room_for(seldom, 10);
   for (int w = 0; w < 5; ++w)
     for (ParticleRun* run : {&roomy, &tight, &kept}) run->advance(100, dt);
-  const dem::WindowProgress c = tight.advance(1, dt).window;
+  const particles::WindowProgress c = tight.advance(1, dt).window;
   EXPECT_EQ(c.carried_entries, 6u);
   EXPECT_GT(c.carried_entries, dem::carried_in_state);
   EXPECT_GT(c.rebuilds, 3u);
@@ -304,7 +304,7 @@ TEST_P(Rebuild, MoreContactsThanFitBesideTheSpheresAreCarriedOver) {
   EXPECT_EQ(dem::state_hash(tight.state()), dem::state_hash(roomy.state()));
   // Where lists are kept nothing has to be carried over.
   EXPECT_EQ(kept.advance(1, dt).window.rebuilds, 1u);
-  const dem::Spheres a = tight.state(), b = kept.state();
+  const particles::Spheres a = tight.state(), b = kept.state();
   const double rotate_spring = norm(a.spin[0] - b.spin[0]) / norm(b.spin[0]),
                moved = norm(a.position[0] - b.position[0]);
   std::printf("  unlike spin by %.1e, tolerance 1e-3; place by %.1e m, tolerance 1e-9 m\n", rotate_spring,

@@ -13,20 +13,21 @@
 namespace tandem::test {
 namespace {
 
-using dem::Backend;
+using particles::Backend;
 constexpr double micro_step = 2e-5;  // [s]
 
-constexpr dem::SkinRange range{0.0025, 0.0025 / 16, 0.005};
+constexpr particles::SkinRange range{0.0025, 0.0025 / 16, 0.005};
 
 // Cost of a list per step of its life, and of its candidates [micro steps].
 double cost(double skin, double approach) {
-  return dem::rebuild_cost * approach / skin + dem::candidate_cost * skin / range.usual;
+  return particles::rebuild_cost * approach / skin + particles::candidate_cost * skin / range.usual;
 }
 
 TEST(Skin, TheBestOneCostsLeast) {
   for (const double approach : {1e-6, 1e-5, 5e-5}) {  // [m]
     const double best = range.best(approach);
-    const double expected = std::sqrt(dem::rebuild_cost / dem::candidate_cost * range.usual * approach);
+    const double expected =
+        std::sqrt(particles::rebuild_cost / particles::candidate_cost * range.usual * approach);
     std::printf("  approach %.0e m: expected %.6e m measured %.6e m, tolerance 1e-15\n", approach, expected,
                 best);
     EXPECT_NEAR(best, expected, 1e-15);
@@ -44,12 +45,12 @@ TEST(Skin, StaysWithinItsRange) {
 
 TEST(Skin, AListIsOutlivedWhenItsCandidatesHaveCostANewOne) {
   // Three quarters of the usual skin too thick: 13 / (0.1 * 0.75) = 173.3 steps.
-  const double approach = range.usual * 0.0625 * dem::candidate_cost / dem::rebuild_cost;
+  const double approach = range.usual * 0.0625 * particles::candidate_cost / particles::rebuild_cost;
   ASSERT_NEAR(range.best(approach), 0.25 * range.usual, 1e-15);
   const auto outlived = [approach](double skin, std::uint32_t age) {
     return range.outlived(skin, age * approach, age);
   };
-  const auto steps = static_cast<std::uint32_t>(dem::rebuild_cost / (0.75 * dem::candidate_cost));
+  const auto steps = static_cast<std::uint32_t>(particles::rebuild_cost / (0.75 * particles::candidate_cost));
   EXPECT_FALSE(outlived(range.usual, steps));
   EXPECT_TRUE(outlived(range.usual, steps + 1));
   EXPECT_FALSE(outlived(range.best(approach), 1'000'000'000));
@@ -63,7 +64,7 @@ scene::Dem dem_of(const std::string& options) {
 }
 
 TEST(Skin, AGivenOneStaysFixed) {
-  const dem::SkinRange skins = dem::skins_of(dem_of(R"("skin": 0.003,)"), {0.008, 0.012});
+  const particles::SkinRange skins = particles::skins_of(dem_of(R"("skin": 0.003,)"), {0.008, 0.012});
   for (const double approach : {0.0, 1e-5, 1.0}) {
     EXPECT_EQ(skins.best(approach), 0.003);
     EXPECT_FALSE(skins.outlived(0.003, 1e6 * approach, 1'000'000));
@@ -74,30 +75,30 @@ TEST(Skin, AGivenOneStaysFixed) {
 
 TEST(Skin, RangeFollowsTheMeanRadiusAndThePeriods) {
   scene::Dem dem = dem_of("");
-  const dem::SkinRange free = dem::skins_of(dem, {0.008, 0.012});
+  const particles::SkinRange free = particles::skins_of(dem, {0.008, 0.012});
   EXPECT_NEAR(free.usual, 0.0025, 1e-15);
   EXPECT_NEAR(free.largest, 0.005, 1e-15);
   // A period of 3 (0.024 + 0.004) m has three cells with a largest skin of 0.004 m, less an allowance for
   // rounding.
   dem.domain.max.x = dem.domain.min.x + 0.084;
   dem.periodic[0] = true;
-  EXPECT_NEAR(dem::skins_of(dem, {0.008, 0.012}).largest, 0.004, 1e-9);
-  EXPECT_LT(dem::skins_of(dem, {0.008, 0.012}).largest, 0.004);
+  EXPECT_NEAR(particles::skins_of(dem, {0.008, 0.012}).largest, 0.004, 1e-9);
+  EXPECT_LT(particles::skins_of(dem, {0.008, 0.012}).largest, 0.004);
   // The grid refuses a period too short for the usual skin.
   dem.domain.max.x = dem.domain.min.x + 0.07;
-  EXPECT_EQ(dem::skins_of(dem, {0.008, 0.012}).largest, free.usual);
+  EXPECT_EQ(particles::skins_of(dem, {0.008, 0.012}).largest, free.usual);
 }
 
 TEST(Skin, ApproachIsAtTheLargestSpeedOrWithWhatWallsHaveJumped) {
-  dem::StepProgress p;
+  particles::StepProgress p;
   p.max_speed2 = 4;
-  EXPECT_EQ(dem::approach_now(p, 1e-3, 0), 4e-3) << "two spheres";
-  EXPECT_EQ(dem::approach_now(p, 1e-3, 5), 7e-3) << "a sphere and a wall";
+  EXPECT_EQ(particles::approach_now(p, 1e-3, 0), 4e-3) << "two spheres";
+  EXPECT_EQ(particles::approach_now(p, 1e-3, 5), 7e-3) << "a sphere and a wall";
   p.age = 10;
   p.travel = 0.03;
   p.wall_travel = 0.05;
-  EXPECT_EQ(dem::approached(p, 1e-3, 0), 0.05);
-  EXPECT_EQ(dem::approached(p, 1e-3, 5), 0.07);
+  EXPECT_EQ(particles::approached(p, 1e-3, 0), 0.05);
+  EXPECT_EQ(particles::approached(p, 1e-3, 5), 0.07);
 }
 
 // The spheres fall fast, with thick lists, and settle. With rolling resistance, because otherwise the last
@@ -145,7 +146,8 @@ TEST(Skin, SpheresInOppositeCornersOfTwoCellsAreNoNeighbours) {
   const double radius = 0.0124, skin = 0.0031, cell = 2 * radius + skin;
   for (double d = 1.6 * cell; d < 1.99 * cell; d += 0.005 * cell) {
     ParticleRun run(
-        falling_spheres("hertz_mindlin", R"("skin": 0.0031,)", 2), Backend::cpu, 1, [&](dem::Spheres& s) {
+        falling_spheres("hertz_mindlin", R"("skin": 0.0031,)", 2), Backend::cpu, 1,
+        [&](particles::Spheres& s) {
           const Vec3d corner = Vec3d{-0.3, -0.3, -0.1} + 1e-5 * Vec3d{1, 1, 1} + cell * Vec3d{9, 9, 12};
           s.radius = {radius, radius};
           s.position = {corner, corner + d * Vec3d{1, 1, 1}};
@@ -179,7 +181,7 @@ TEST(Skin, NeitherAreThoseInCellsThatFillAPeriod) {
   scene.size = 3.9 * cell;
   scene.dem = {{"skin", skin}};
   for (double d = 1.9 * cell; d < 2.1 * cell; d += 0.005 * cell) {
-    ParticleRun run = scene.run([&](dem::Spheres& s) {
+    ParticleRun run = scene.run([&](particles::Spheres& s) {
       s.position = {1e-5 * Vec3d{1, 1, 1}, (d + 1e-5) * Vec3d{1, 1, 1}};
       s.velocity = {{}, {}};
     });

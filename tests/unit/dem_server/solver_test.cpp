@@ -186,7 +186,7 @@ TEST(MicroStep, SoLongThatSpheresPassWallsUnseenIsWarnedOf) {
 
 TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
   const scene::Scene scene = scene::parse(Falling{"", at_rest}.configuration().scene_text, "falling.json");
-  dem::Spheres spheres;
+  particles::Spheres spheres;
   spheres.radius = {0.02, 0.01};
   spheres.material = {0, 0};
   spheres.position = spheres.velocity = spheres.spin = {{}, {}};

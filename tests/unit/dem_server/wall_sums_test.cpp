@@ -72,7 +72,7 @@ TEST_P(WallSums, AddUpToTheLoadOfTheBody) {
 
 TEST_P(WallSums, HaveTheSameBitsHoweverTheyAreRun) {
   const std::string text = measured_walls(GetParam());
-  ParticleRun one(text, dem::Backend::cpu, 1), three(text, dem::Backend::cpu, 3), resumed(text);
+  ParticleRun one(text, particles::Backend::cpu, 1), three(text, particles::Backend::cpu, 3), resumed(text);
   for (int w = 0; w < 4; ++w) one.advance(400, wall_dt);
   for (int w = 0; w < 2; ++w) three.advance(400, wall_dt);
   three.engine->save();
@@ -109,7 +109,7 @@ nlohmann::json box_scene(double friction, int count) {
   return all;
 }
 
-double mass_of(const dem::Spheres& s) {
+double mass_of(const particles::Spheres& s) {
   double mass = 0;
   for (const double r : s.radius) mass += 2500 * 4.0 / 3 * std::numbers::pi * r * r * r;
   return mass;
@@ -119,7 +119,7 @@ TEST(WallFields, CarryTheWeightOfABedAtRest) {
   nlohmann::json scene = box_scene(0, 120);
   auto& fill = scene["dem"]["particles"][0]["fill"];
   fill["min"] = {0.0625, 0.0625, 0}, fill["max"] = {0.1875, 0.1875, 0.125};
-  ParticleRun run(scene.dump(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(scene.dump(), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {  // no columns, in which nothing would press on the sides
       const auto phase = static_cast<double>(i);
       s.position[i] += 0.1 * s.radius[i] * Vec3d{std::sin(12.9 * phase), std::cos(78.2 * phase), 0};
@@ -133,7 +133,7 @@ TEST(WallFields, CarryTheWeightOfABedAtRest) {
   double on_floor = 0, on_sides = 0;
   for (std::size_t i = 0; i < after.size() / dem::wall_sum_count; ++i) {
     const std::size_t row = i * dem::wall_sum_count;
-    const dem::Facet& f = run.surface.facets[i];
+    const particles::Facet& f = run.surface.facets[i];
     const double normal = (after[row + dem::wall_normal] - before[row + dem::wall_normal]) / (1000 * wall_dt);
     (std::abs(f.normal.z) > 0.5 ? on_floor : on_sides) += normal;
   }
@@ -151,7 +151,7 @@ TEST(WallFields, WearAsArchardsLawSaysOfSpheresThatSlideUntilTheyRoll) {
   constexpr double friction = 0.4, g = 9.81, hardness = 2e9, k = 1e-3;
   nlohmann::json scene = box_scene(friction, 4);
   double arm = 0;  // over the radius [-]
-  ParticleRun run(scene.dump(), dem::Backend::cpu, 1, [&](dem::Spheres& s) {
+  ParticleRun run(scene.dump(), particles::Backend::cpu, 1, [&](particles::Spheres& s) {
     const double mass = mass_of(s) / static_cast<double>(s.size()), r = s.radius[0],
                  e_eff = 1e6 / (2 * (1 - 0.25 * 0.25));
     const double sunk = std::pow(mass * g / (4.0 / 3 * e_eff * std::sqrt(r)), 2.0 / 3);
@@ -180,7 +180,7 @@ TEST(WallFields, WearAsArchardsLawSaysOfSpheresThatSlideUntilTheyRoll) {
 // whatever the restitution, and neither falls.
 TEST(WallFields, WearAndWorkOfImpactsAreInOneRatio) {
   constexpr double friction = 0.4, k = 1e-3;
-  ParticleRun run(box_scene(friction, 4).dump(), dem::Backend::cpu, 1, [](dem::Spheres& s) {
+  ParticleRun run(box_scene(friction, 4).dump(), particles::Backend::cpu, 1, [](particles::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {
       s.position[i] = {0.08, 0.08 + 0.03 * static_cast<double>(i), s.radius[i] + 1e-4};
       s.velocity[i] = {0.5 + 0.5 * static_cast<double>(i), 0, -0.5};

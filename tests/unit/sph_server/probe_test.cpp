@@ -28,7 +28,7 @@ void expect_probe(const char* what, double expected, double measured, double tol
 struct Pool {
   LiquidState state;
   Liquid liquid;
-  dem::Periods periods;
+  particles::Periods periods;
   std::vector<TriangleMesh> meshes;
   Pose pose;  // of all of it
 

@@ -56,10 +56,10 @@ TEST(Walls, WithoutAreaAreRefused) {
 TEST(NeighbourList, EndsAtASheet) {
   const Walls walls({sheet()}, 0.5);
   const scene::Box domain{{-1, -1, 0}, {1, 1, 2}};
-  const dem::CellGrid grid = dem::make_cell_grid(domain, {}, 0.5, 1e6);
+  const particles::CellGrid grid = particles::make_cell_grid(domain, {}, 0.5, 1e6);
   const std::vector<Vec3d> x{
       {-0.1, 0.5, 0.5}, {0.1, 0.5, 0.5}, {0.3, 0.5, 0.6}, {-0.05, 0, 1.5}, {0.05, 0, 1.5}};
-  dem::ThreadPool pool(2);
+  particles::ThreadPool pool(2);
   NeighbourList list;
   build_list(grid, {}, x, 0.5, walls, pool, list);
   EXPECT_EQ(list.start, (std::vector<std::uint32_t>{0, 0, 1, 2, 3, 4}));

@@ -56,7 +56,7 @@ struct Seen {
 // The sphere starts at rest where the belt carries its weight. The slip ends when its velocity stays.
 Seen run_belt(const BeltRun& belt, double end) {
   const double depth = std::pow(ball.mass() * g / ball.stiffness_on_plane(), 2.0 / 3);
-  ParticleRun run(belt.scene.dump(), tested_backend(), 1, [&](dem::Spheres& s) {
+  ParticleRun run(belt.scene.dump(), tested_backend(), 1, [&](particles::Spheres& s) {
     s.position = {(R - depth) * belt.normal};
     s.velocity = {{0, 0, 0}};
   });
@@ -65,15 +65,15 @@ Seen run_belt(const BeltRun& belt, double end) {
   Seen result;
   double last = 0;
   for (double time = 0; time < end; time += at_once * dt) {
-    std::vector<dem::PreparedPath> paths;
+    std::vector<particles::PreparedPath> paths;
     for (const BodyId body : run.surface.boundary_bodies) {
       const Pose pose = body == ground ? Pose{} : run.scene.mbd->bodies[body.value].pose;
-      paths.push_back(dem::prepare_path({pose, pose, {}, {}}, at_once * dt));
+      paths.push_back(particles::prepare_path({pose, pose, {}, {}}, at_once * dt));
     }
     dem::WindowPlan plan{at_once, dt, paths, 0, 0};
     plan.belt_velocity = belts.velocities(time, at_once, dt);
     belts.record(run.engine->advance(plan), plan, seen);
-    const dem::Spheres now = run.state();
+    const particles::Spheres now = run.state();
     result.velocity = now.velocity.at(0), result.spin = now.spin.at(0);
     const double speed = dot(result.velocity, belt.along), gained = mu * g * at_once * dt;
     // Within the interval in which the slip ends the sphere gains only a part of this.
@@ -133,7 +133,7 @@ TEST(Belt, RunsOnAVariantWithBelts) {
   const auto variant_of = [](const char* law, double speed) {
     nlohmann::json scene = BeltRun({"", law, "", true}, {V, 0, 0}).scene;
     if (speed == 0) scene["dem"]["walls"][0].erase("surface_velocity");
-    return dem::choose_engine(scene::parse(scene.dump(), "test"), dem::Backend::cpu).variant;
+    return dem::choose_engine(scene::parse(scene.dump(), "test"), particles::Backend::cpu).variant;
   };
   EXPECT_EQ(variant_of("hertz_mindlin", V), "hertz_mindlin_belts");
   EXPECT_EQ(variant_of("hertz_mindlin", 0), "hertz_mindlin");
@@ -167,13 +167,13 @@ TEST(Belt, EndFaceDoesNotPush) {
                          {"surface_velocity", {V, 0, 0}}};
   nlohmann::json scene = nlohmann::json::parse(impact_scene(rolls, ball, 1, wall.dump()));
   // It touches the end face x = 0 from outside, without overlap, in weightlessness.
-  ParticleRun run(scene.dump(), tested_backend(), 1, [&](dem::Spheres& s) {
+  ParticleRun run(scene.dump(), tested_backend(), 1, [&](particles::Spheres& s) {
     s.position = {{R * (1 - 1e-6), 0, 0}};
     s.velocity = {{0, 0, 0}};
   });
   dem::Belts belts(run.scene, run.surface);
-  std::vector<dem::PreparedPath> paths(run.surface.boundary_bodies.size(),
-                                       dem::prepare_path({}, at_once * dt));
+  std::vector<particles::PreparedPath> paths(run.surface.boundary_bodies.size(),
+                                             particles::prepare_path({}, at_once * dt));
   dem::WindowPlan plan{at_once, dt, paths, 0, 0};
   plan.belt_velocity = belts.velocities(0, at_once, dt);
   run.engine->advance(plan);

@@ -34,7 +34,7 @@ TEST_P(Impact, Test1TwoEqualSpheres) {
   if (GetParam().hooke()) GTEST_SKIP() << "not Hertz's force";
   const Ball ball{4.8e10, 0.20, 2800, 1, 0.35, 0.01};
   const double R = ball.radius, v = 10, k = ball.stiffness_of_pair(), reduced = ball.mass() / 2;
-  ParticleRun run(impact_scene(GetParam(), ball, 2, ""), tested_backend(), 1, [&](dem::Spheres& s) {
+  ParticleRun run(impact_scene(GetParam(), ball, 2, ""), tested_backend(), 1, [&](particles::Spheres& s) {
     s.position = {{-R, 0, 0}, {R, 0, 0}};
     s.velocity = {{v, 0, 0}, {-v, 0, 0}};
   });
@@ -44,7 +44,7 @@ TEST_P(Impact, Test1TwoEqualSpheres) {
   double largest_force = 0, end = 0, before = v, overlap_ratio = 0;
   for (int s = 1; end == 0 && s < 8000; ++s) {
     overlap_ratio = static_cast<double>(run.advance(1, dt).window.max_overlap_ratio);
-    const dem::Spheres now = run.state();
+    const particles::Spheres now = run.state();
     largest_force = std::max(largest_force, ball.mass() * (before - now.velocity[0].x) / dt);
     before = now.velocity[0].x;
     if (now.position[1].x - now.position[0].x > 2 * R) end = s * dt;

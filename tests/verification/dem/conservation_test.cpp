@@ -48,7 +48,7 @@ double density() {
   return 4.0 / 3 * 3.14159265358979323846 * 2500;
 }
 
-Momentum momentum_of(const dem::Spheres& s, double unit) {
+Momentum momentum_of(const particles::Spheres& s, double unit) {
   Momentum m;
   for (std::size_t i = 0; i < s.size(); ++i) {
     // The radius as the solver stores it, and the mass as the solver computes it.
@@ -94,12 +94,12 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& c) { return std::string(c.param.name); });
 
 // The path of a box that swings and rotates, over one window.
-dem::PreparedPath swing(double begin, double end) {
+particles::PreparedPath swing(double begin, double end) {
   const auto pose = [](double t) {
     return Pose{{0.01 * std::sin(20 * t), 0, 0}, Quat{std::cos(2 * t), 0, 0, std::sin(2 * t)}};
   };
   const auto twist = [](double t) { return Twist{{0.2 * std::cos(20 * t), 0, 0}, {0, 0, 4}}; };
-  return dem::prepare_path({pose(begin), pose(end), twist(begin), twist(end)}, end - begin);
+  return particles::prepare_path({pose(begin), pose(end), twist(begin), twist(end)}, end - begin);
 }
 
 // Spheres move in a closed box that swings and rotates. The momentum that they lose must be the sum of the
@@ -107,7 +107,7 @@ dem::PreparedPath swing(double begin, double end) {
 // half step: leapfrog adds dt (x cross F) to it, since x moves along v. The balance therefore holds to
 // rounding for any step.
 TEST_P(Heap, KeepsMomentumWithItsBody) {
-  ParticleRun run(heap_json(GetParam()), tested_backend(), 1, [](dem::Spheres& s) {
+  ParticleRun run(heap_json(GetParam()), tested_backend(), 1, [](particles::Spheres& s) {
     for (std::size_t i = 0; i < s.size(); ++i) {
       const double k = static_cast<double>(i);
       s.velocity[i] = {std::sin(3 * k), std::cos(5 * k), std::sin(7 * k + 1)};
@@ -124,16 +124,16 @@ TEST_P(Heap, KeepsMomentumWithItsBody) {
   double impulse = 0;
   for (int w = 0; w < 200; ++w) {
     constexpr std::uint32_t steps = 50;
-    std::vector<dem::PreparedPath> paths;
+    std::vector<particles::PreparedPath> paths;
     for (const BodyId body : run.surface.boundary_bodies)
-      paths.push_back(body == ground ? dem::prepare_path({}, steps * dt)
+      paths.push_back(body == ground ? particles::prepare_path({}, steps * dt)
                                      : swing(w * steps * dt, (w + 1) * steps * dt));
     const dem::WindowOutcome& o = run.engine->advance({steps, dt, paths, 1, 0});
     for (std::size_t row = 0; row < o.load.size(); ++row) {
-      const dem::PreparedPath& path = paths[row % paths.size()];
+      const particles::PreparedPath& path = paths[row % paths.size()];
       const double share = static_cast<double>(row / paths.size()) / steps;
       force += dt * o.load[row].force;
-      torque += dt * (o.load[row].torque + cross(dem::pose_on_path(path, share).p, o.load[row].force));
+      torque += dt * (o.load[row].torque + cross(particles::pose_on_path(path, share).p, o.load[row].force));
       impulse += dt * norm(o.load[row].force);
     }
   }
@@ -154,9 +154,9 @@ TEST_P(Heap, KeepsMomentumWithItsBody) {
 void keep_energy(std::uint32_t steps, double dt, double tolerance) {
   std::string json = heap_json({"gas", R"("contact": "hertz_frictionless",)", false});
   json.replace(json.find("\"restitution\": 0.6"), 18, "\"restitution\": 1.0");
-  ParticleRun run(json, tested_backend(), 1, [](dem::Spheres& s) {
+  ParticleRun run(json, tested_backend(), 1, [](particles::Spheres& s) {
     // Every second sphere only, so that they have room to fly.
-    dem::Spheres few;
+    particles::Spheres few;
     for (std::size_t i = 0; i < s.size(); i += 2) {
       few.position.push_back(s.position[i]);
       few.velocity.push_back(

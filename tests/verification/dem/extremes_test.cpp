@@ -65,14 +65,14 @@ struct Pair {
 // The larger error of both velocities after the impact, relative to the change of velocity of each.
 double error_of(const Pair& pair, const char* options) {
   const double gap = 1e-3 * std::min(pair.radius[0], pair.radius[1]);
-  ParticleRun run(pair.json(options), tested_backend(), 1, [&](dem::Spheres& s) {
+  ParticleRun run(pair.json(options), tested_backend(), 1, [&](particles::Spheres& s) {
     s.radius = {pair.radius[0], pair.radius[1]};
     s.material = {0, 1};
     s.position = {{0.1, 0, 0}, {0.1 + pair.radius[0] + pair.radius[1] + gap, 0, 0}};
     s.velocity = {{}, {-pair.speed, 0, 0}};
   });
   const double dt = pair.duration() / 1000;
-  dem::Spheres now;
+  particles::Spheres now;
   for (int i = 0; i < 1000; ++i) {
     run.advance(100, dt);
     now = run.state();
@@ -183,7 +183,8 @@ std::string heap_json(double second_at, double gravity, const char* options = ""
 // Spheres within rings of bodies; some rings have more bodies than Label can count. Each body exchanges
 // momentum with its sphere, and contacts survive rebuilds of the lists.
 TEST(Extremes, SpheresAmongFortyBodies) {
-  constexpr int rings[] = {dem::Label::counted - 1, dem::Label::counted, dem::Label::counted + 1, 40};
+  constexpr int rings[] = {particles::Label::counted - 1, particles::Label::counted,
+                           particles::Label::counted + 1, 40};
   constexpr double radius = 0.2, knob = 0.01, slope = 0.8, overlap = 1e-4, spacing = 0.6, dt = 1e-6;
   constexpr std::uint32_t steps = 300;
   for (const Precision& precision : precisions) {
@@ -210,7 +211,7 @@ TEST(Extremes, SpheresAmongFortyBodies) {
                "fill": {{"type": "lattice", "min": [-0.3, -0.3, -0.3], "max": [2.1, 0.3, 0.3], "spacing": 0.5, "count": 4}}}}],
             "domain": {{"min": [-1, -1, -1], "max": [3, 1, 1]}}, "walls": [{}]}}, "mbd": {{"bodies": [{}]}}}})",
               precision.options, skin, radius, walls, bodies),
-          tested_backend(), 1, [&](dem::Spheres& s) {
+          tested_backend(), 1, [&](particles::Spheres& s) {
             for (int ring = 0; ring < 4; ++ring) {
               const auto i = static_cast<std::size_t>(ring);
               s.position[i] = {ring * spacing, 0, 0};
@@ -220,12 +221,12 @@ TEST(Extremes, SpheresAmongFortyBodies) {
           });
     };
     const auto run = run_with(R"("skin": 2e-5,)"), seldom = run_with(R"("skin": 0.01,)");
-    const dem::Spheres begin = run->state();
+    const particles::Spheres begin = run->state();
     const dem::WindowOutcome& o = run->advance(steps, dt);
     EXPECT_GT(o.window.rebuilds, 3u);
     EXPECT_EQ(o.window.near, 31u + 30u + 32u + 40u);
     EXPECT_EQ(seldom->advance(steps, dt).window.rebuilds, 1u);
-    const dem::Spheres end = run->state(), expected = seldom->state();
+    const particles::Spheres end = run->state(), expected = seldom->state();
     const double mass = o.end.mass / 4;
     double momentum = 0, apart = 0;
     std::size_t body = 1;  // after the ground
@@ -248,10 +249,10 @@ TEST(Extremes, SpheresAmongFortyBodies) {
 TEST(Extremes, OverlappingStartIsRefusedWithItsWorstPair) {
   // The first sphere of the second group starts half a radius inside the fourth of the first.
   const scene::Scene scene = scene::parse(heap_json(0.063 + 0.015, -9.81), "test");
-  const dem::Fill fill = dem::make_fill(scene, {});
-  const dem::Surface surface = dem::make_surface(scene, {}, 0.0125);
+  const particles::Fill fill = particles::make_fill(scene, {});
+  const particles::Surface surface = particles::make_surface(scene, {}, 0.0125);
   try {
-    dem::check_start(fill, surface, scene);
+    particles::check_start(fill, surface, scene);
     FAIL() << "it was accepted";
   } catch (const Error& error) {
     std::printf("  overlapping start: %s\n", error.what());
@@ -262,7 +263,7 @@ TEST(Extremes, OverlappingStartIsRefusedWithItsWorstPair) {
 
 // The sphere is removed, its momentum is recorded as lost, and the run continues.
 TEST(Extremes, SphereThrownOutOfTheDomain) {
-  ParticleRun run(heap_json(0.12, 0), tested_backend(), 1, [](dem::Spheres& s) {
+  ParticleRun run(heap_json(0.12, 0), tested_backend(), 1, [](particles::Spheres& s) {
     s.velocity.back() = {0, 0, 300};
   });
   const double mass = 4.0 / 3 * std::numbers::pi * 2500 * 1e-6;
@@ -291,7 +292,7 @@ TEST(Extremes, RestingBedStaysAtRest) {
     json.replace(json.find(from), from.size(), to);
   };
   put("[0.085, 0.085, 0.2]", "[0.0839, 0.0839, 0.2]");
-  ParticleRun run(json, tested_backend(), 1, [](dem::Spheres& s) {
+  ParticleRun run(json, tested_backend(), 1, [](particles::Spheres& s) {
     for (auto* v : {&s.position, &s.velocity, &s.spin}) v->pop_back();
     s.radius.pop_back();
     s.material.pop_back();
@@ -309,7 +310,7 @@ TEST(Extremes, RestingBedStaysAtRest) {
     return energy;
   };
   const double settled = energy_per_sphere(100000);
-  const dem::Spheres begin = run.state();
+  const particles::Spheres begin = run.state();
   const double end = energy_per_sphere(100000), moved = largest_distance(begin, run.state());
   const double lift = 4.0 / 3 * std::numbers::pi * 2500 * 1e-6 * 9.81 * 0.01;  // by a radius [J]
   std::printf(

@@ -105,7 +105,7 @@ Rebound impact_on_plane(const Variant& variant, const Ball& ball, Vec3d velocity
 
 Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& meshes, const Ball& ball,
                         Vec3d at, Vec3d velocity, Vec3d spin, int steps) {
-  const auto start = [&](dem::Spheres& s) {
+  const auto start = [&](particles::Spheres& s) {
     s.position = {{at.x, at.y, ball.radius}};
     s.velocity = {velocity};
     s.spin = {spin};
@@ -114,7 +114,7 @@ Rebound impact_on_walls(const std::string& scene, const std::vector<NamedMesh>& 
   const double dt = ball.duration_on_plane(-velocity.z) / steps;
   constexpr std::uint32_t at_once = 100;
   Rebound result;
-  dem::Spheres now;
+  particles::Spheres now;
   for (int step = 0; step < 10 * steps; step += at_once) {
     const dem::WindowOutcome& o = run.advance(at_once, dt);
     for (const Wrench& on_plane : o.load) {

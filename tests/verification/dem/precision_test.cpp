@@ -48,13 +48,13 @@ struct Collision {
 
 // |u'/u - e| with the relative speeds u before and u' after the collision.
 double error_of_solver(const Collision& m, const char* options) {
-  ParticleRun run(pair_json(options, m.at), tested_backend(), 1, [&](dem::Spheres& s) {
+  ParticleRun run(pair_json(options, m.at), tested_backend(), 1, [&](particles::Spheres& s) {
     s.position = {{m.at, 0, 0}, {m.at + 2 * R + gap, 0, 0}};
     s.velocity = {{m.speed / 2, 0, 0}, {-m.speed / 2, 0, 0}};
   });
   const auto wait = static_cast<std::uint32_t>(gap / (m.speed * m.dt()));
   run.advance(Collision::steps + 2 * wait, m.dt());
-  const dem::Spheres s = run.state();
+  const particles::Spheres s = run.state();
   return std::abs((s.velocity[1].x - s.velocity[0].x) / m.speed - restitution);
 }
 
@@ -108,7 +108,7 @@ TEST(Precision, Creep) {
   for (const double at : {0.1, 1.0, 1000.0})
     for (const double speed : {1e-4, 1e-6}) {
       const auto error = [&](const char* options) {
-        ParticleRun run(pair_json(options, at), tested_backend(), 1, [&](dem::Spheres& s) {
+        ParticleRun run(pair_json(options, at), tested_backend(), 1, [&](particles::Spheres& s) {
           s.position = {{at, 0, 0}, {at + 0.1, 0, 0}};
           s.velocity = {{speed, 0, 0}, {}};
         });

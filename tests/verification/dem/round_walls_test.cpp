@@ -56,7 +56,7 @@ double period_in_trough(const Variant& variant, const Ball& b, double a, double 
   nlohmann::json scene = nlohmann::json::parse(impact_scene(variant, b, 1, trough(a, true)));
   scene["gravity"] = {0, 0, -g};
   const double arm = a - R + depth;
-  ParticleRun run(scene.dump(), tested_backend(), 1, [&](dem::Spheres& s) {
+  ParticleRun run(scene.dump(), tested_backend(), 1, [&](particles::Spheres& s) {
     s.position = {{arm * std::sin(angle), 0, a - arm * std::cos(angle)}};
     s.velocity = {{0, 0, 0}};
   });

@@ -138,7 +138,7 @@ Rebound impact_on_body(const std::string& flat_scene, const std::vector<NamedMes
   scene["dem"]["walls"][0]["body"] = "tool";
   ParticleRun run(
       scene.dump(), tested_backend(), 1,
-      [&](dem::Spheres& s) {
+      [&](particles::Spheres& s) {
         const Vec3d arm = start.q_WB.rotate({at.x, at.y, ball.radius + start_gap});
         s.position = {start.p_WB + arm};
         s.velocity = {start.q_WB.rotate(v) + body.v_WB + cross(body.w_WB, arm)};
@@ -152,13 +152,13 @@ Rebound impact_on_body(const std::string& flat_scene, const std::vector<NamedMes
   };
   constexpr int windows = 4;  // twice the duration of an impact
   for (int w = 0; w < windows; ++w) {
-    std::vector<dem::PreparedPath> paths;
+    std::vector<particles::PreparedPath> paths;
     for (const BodyId id : run.surface.boundary_bodies)
-      paths.push_back(id == ground ? dem::prepare_path({}, window)
-                                   : dem::prepare_path({pose(w), pose(w + 1), body, body}, window));
+      paths.push_back(id == ground ? particles::prepare_path({}, window)
+                                   : particles::prepare_path({pose(w), pose(w + 1), body, body}, window));
     run.engine->advance({steps, window / steps, paths, 0, 0});
   }
-  const dem::Spheres s = run.state();
+  const particles::Spheres s = run.state();
   const Pose end = pose(windows);
   const auto seen = [&](Vec3d x) { return end.q_WB.conjugate().rotate(x); };
   return {seen(s.velocity[0] - body.v_WB - cross(body.w_WB, s.position[0] - end.p_WB)),

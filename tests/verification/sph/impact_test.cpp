@@ -71,7 +71,7 @@ Record run(int high) {
                    {column, -breadth, 2 * H}};
   gate.triangles = {{0, 1, 2}, {0, 2, 3}};
   gated.walls.push_back(gate);
-  const std::vector<dem::BodyPose> poses(4, dem::BodyPose{{}, Mat3d::identity(), {}, {}});
+  const std::vector<particles::BodyPose> poses(4, particles::BodyPose{{}, Mat3d::identity(), {}, {}});
   const auto engine = make_liquid_engine(setup, true);
   engine->set_state(fill_region(gated, poses, region, {H, {}}));
   const Walls walls(setup.walls, l.support());

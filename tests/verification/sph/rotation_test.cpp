@@ -19,7 +19,7 @@ using namespace sph;
 
 constexpr double g = 9.81, pi = std::numbers::pi;
 
-dem::BodyPose turned(double angle, double rate) {
+particles::BodyPose turned(double angle, double rate) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {{}, Mat3d{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {}, {0, 0, rate}};
 }

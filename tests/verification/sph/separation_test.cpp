@@ -37,7 +37,7 @@ struct Left {
 };
 
 Left leave(const Leaving& c, std::uint64_t seed) {
-  dem::Random random(seed);
+  particles::Random random(seed);
   const Vec3d axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
   const Mat3d turn = seed == 0 ? Mat3d::identity() : exp(random.uniform(0, 3) * normalized(axis)).matrix();
   LiquidSetup setup;

@@ -67,11 +67,11 @@ std::vector<double> run(int deep, const Roll& roll) {
     const auto [angle, rate] = roll(t);
     // A positive roll lowers the side of x < 0: a rotation by -angle about y.
     const Quat q{std::cos(angle / 2), 0, -std::sin(angle / 2), 0};
-    return dem::BodyPose{{}, q.matrix(), {}, {0, -rate, 0}};
+    return particles::BodyPose{{}, q.matrix(), {}, {0, -rate, 0}};
   };
   // The start of the record is at rest up to its noise.
   LiquidSetup level = setup;
-  const std::vector<dem::BodyPose> rest{{{}, Mat3d::identity(), {}, {}}};
+  const std::vector<particles::BodyPose> rest{{{}, Mat3d::identity(), {}, {}}};
   const auto engine = make_liquid_engine(setup, true);
   engine->set_state(fill_region(level, rest, region, {depth, {}}), rest);
   Walls walls(setup.walls, l.support());
@@ -92,7 +92,7 @@ std::vector<double> run(int deep, const Roll& roll) {
     }
     const LiquidState state = engine->state();
     walls.set_pose(0, pose_at(t));
-    const dem::BodyPose& now = walls.poses()[0];
+    const particles::BodyPose& now = walls.poses()[0];
     record.push_back(Probe(state, l, setup.periods, walls)
                          .pressure_at(now.p + now.R * Vec3d{-length / 2, breadth / 2, depth}));
   }

@@ -90,21 +90,21 @@ TEST(Spray, OfAJetThroughAHoleStaysInTheVessel) {
 }
 
 // A vessel that is star-shaped about its middle, with facets at all angles.
-TriangleMesh bumpy_vessel(dem::Random& random, double radius) {
+TriangleMesh bumpy_vessel(particles::Random& random, double radius) {
   TriangleMesh m = sphere_mesh(1, 8);
   const double uneven = random.uniform(0, 0.35);
   for (Vec3d& v : m.vertices) v = radius * (1 + random.uniform(-uneven, uneven)) * v;
   return m;
 }
 
-Vec3d direction(dem::Random& random) {
+Vec3d direction(particles::Random& random) {
   for (;;) {
     const Vec3d d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     if (norm2(d) <= 1 && norm2(d) > 0.01) return normalized(d);
   }
 }
 
-Mat3d rotation(dem::Random& random) {
+Mat3d rotation(particles::Random& random) {
   return exp(random.uniform(0, pi) * direction(random)).matrix();
 }
 
@@ -120,7 +120,7 @@ struct Passes {
 // Particles alone and in pairs fly at up to a tenth of the speed of sound against the inside of a closed
 // vessel and against sheets in it, with edges and holes, all of which move and turn as one body.
 Passes spray(std::uint64_t seed) {
-  dem::Random random(seed);
+  particles::Random random(seed);
   LiquidSetup setup;
   Liquid& l = setup.liquid;
   l.spacing = 0.01;
@@ -153,7 +153,7 @@ Passes spray(std::uint64_t seed) {
   const double end = 60 * a / fastest, room = extent + end * norm(v);
   setup.walls = {walls};
   setup.domain = {{-room, -room, -room}, {room, room, room}};
-  const auto pose = [&](double t) { return dem::BodyPose{t * v, exp(t * w).matrix(), v, w}; };
+  const auto pose = [&](double t) { return particles::BodyPose{t * v, exp(t * w).matrix(), v, w}; };
   const Walls clear({walls}, a);
   LiquidState start;
   while (start.size() < 40) {
@@ -180,7 +180,7 @@ Passes spray(std::uint64_t seed) {
     engine->step(dt, {pose(t)});
   }
   Passes passes;
-  const dem::BodyPose last = engine->poses()[0];
+  const particles::BodyPose last = engine->poses()[0];
   for (const Vec3d& x : engine->state().position)
     passes.outside += std::fabs(winding_number(vessel, last.R.transpose_times(x - last.p))) < 0.5 ? 1 : 0;
   passes.counted = static_cast<double>(engine->figures().passed_walls);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "dem_server/particles.hpp"
 #include "particles/backend/traits.hpp"
 
 namespace tandem::dem {

@@ -14,30 +14,30 @@ namespace tandem::test {
 namespace {
 
 TEST(Memory, ARunThatDoesNotFitIsRefusedWithFigures) {
-  const dem::MemoryNeed need{2'000'000'000, 1'000'000, 128'000'000, "device"};
-  EXPECT_NO_THROW(dem::expect_memory(need, 2'000'000'000));
+  const particles::MemoryNeed need{2'000'000'000, 1'000'000, 128'000'000, "device"};
+  EXPECT_NO_THROW(particles::expect_memory(need, 2'000'000'000));
   try {
-    dem::expect_memory(need, 1'500'000'000);
+    particles::expect_memory(need, 1'500'000'000);
     FAIL() << "fits";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::resource);
     EXPECT_EQ(e.problem(), "1000000 spheres need 2 GB of device memory, 2000 B each; 1.5 GB are free");
   }
   try {
-    dem::expect_memory({1'000'000'000, 1000, 900'000'000, "host"}, 1);
+    particles::expect_memory({1'000'000'000, 1000, 900'000'000, "host"}, 1);
     FAIL() << "fits";
   } catch (const Error& e) {
     EXPECT_NE(e.problem().find("0.9 GB of it for the cells of dem.domain"), std::string::npos) << e.what();
   }
   try {
-    dem::expect_memory({2'000'000'000, 27, 0, "host", 1'900'000'000}, 1);
+    particles::expect_memory({2'000'000'000, 27, 0, "host", 1'900'000'000}, 1);
     FAIL() << "fits";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("1.9 GB of it for the loads of a window's micro steps"),
               std::string::npos);
     EXPECT_NE(std::string(e.what()).find("use shorter windows"), std::string::npos) << e.what();
   }
-  EXPECT_GT(dem::available_memory(dem::Backend::cpu), 1'000'000u);
+  EXPECT_GT(particles::available_memory(particles::Backend::cpu), 1'000'000u);
 }
 
 class HostMemory : public MadeUpHost {
@@ -46,7 +46,7 @@ class HostMemory : public MadeUpHost {
     write("proc/meminfo", "MemTotal: 9000000 kB\nMemFree: 5 kB\nMemAvailable: 4000000 kB\n");
   }
   std::size_t left(std::size_t addresses = std::numeric_limits<std::size_t>::max()) const {
-    return dem::host_memory(root_, addresses);
+    return particles::host_memory(root_, addresses);
   }
 };
 

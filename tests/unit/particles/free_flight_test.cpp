@@ -16,7 +16,7 @@
 namespace tandem::test {
 namespace {
 
-using namespace dem;
+using namespace particles;
 
 constexpr double radius = 0.01;  // [m]
 

@@ -11,7 +11,7 @@
 #include "particles/geometry/periods.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 namespace {
 
 using ::testing::AllOf;
@@ -413,4 +413,4 @@ TEST(Periods, WrapIntoTheDomain) {
 }
 
 }  // namespace
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

@@ -6,7 +6,7 @@
 
 #include "tests/unit/dem_geometry/walls.hpp"
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 namespace {
 
 using std::numbers::pi;
@@ -145,4 +145,4 @@ TEST(RoundWalls, BoundHowFarTheyReach) {
 }
 
 }  // namespace
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

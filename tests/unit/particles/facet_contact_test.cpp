@@ -7,7 +7,7 @@
 
 #include "tests/unit/dem_geometry/walls.hpp"
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 namespace {
 
 using std::numbers::pi;
@@ -457,4 +457,4 @@ TEST(Rule, MoreContactsThanPlacesAreTold) {
 }
 
 }  // namespace
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

@@ -13,7 +13,7 @@
 #include "common/scene/sizes.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 namespace {
 
 using ::testing::AllOf;
@@ -302,4 +302,4 @@ TEST(Sizes, NormalAndLogNormalHaveTheirMomentsAndLimits) {
 }
 
 }  // namespace
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

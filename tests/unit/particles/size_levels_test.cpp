@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 namespace {
 
 using testing::ElementsAre;
@@ -121,4 +121,4 @@ TEST(SizeLevels, ASphereOfAShortPeriodMeetsNoCellTwice) {
 }
 
 }  // namespace
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 namespace {
 
 using testing::AllOf;
@@ -55,4 +55,4 @@ TEST(CellGrid, HasAsManyCellsAsSpheresNeed) {
 }
 
 }  // namespace
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

@@ -11,7 +11,7 @@
 #include "particles/geometry/smooth_patches.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
-namespace tandem::dem::test {
+namespace tandem::particles::test {
 namespace {
 
 using ::testing::AllOf;
@@ -239,4 +239,4 @@ TEST(Surface, AFineRoundMeshIsOnePatch) {
 }
 
 }  // namespace
-}  // namespace tandem::dem::test
+}  // namespace tandem::particles::test

@@ -7,7 +7,7 @@
 #include "common/error.hpp"
 #include "particles/geometry/path.hpp"
 
-namespace tandem::dem {
+namespace tandem::particles {
 namespace {
 
 Mat3d rotation_between(const Mat3d& a, const Mat3d& b) {  // b a^T
@@ -206,4 +206,4 @@ TEST(Path, RefusesATurnThatTheSeriesDoNotCover) {
 }
 
 }  // namespace
-}  // namespace tandem::dem
+}  // namespace tandem::particles
