@@ -62,11 +62,6 @@ struct alignas(4 * sizeof(Real)) PairMoment {
   Vec3<Real> moment;  // [N m]
 };
 
-// Numbers [begin, end).
-struct Range {
-  std::uint32_t begin = 0, end = 0;
-};
-
 struct ClosePair {
   std::uint32_t owner = 0;  // index
   std::uint32_t entry = 0;  // in the owner's list

@@ -1,4 +1,4 @@
-// The processor that runs the particles. Both back ends run the same functors and give the same bits.
+// The processor that runs the particles. Both back ends run the same functors.
 #pragma once
 
 #include <string>

@@ -13,7 +13,7 @@ inline void check_cuda(cudaError_t status, const char* doing) {
   if (status != cudaSuccess)
     throw Error(ErrorCode::resource, std::string(cudaGetErrorString(status)) + " while " + doing,
                 "CUDA device",
-                status == cudaErrorMemoryAllocation ? "use fewer spheres or --backend cpu" : "");
+                status == cudaErrorMemoryAllocation ? "use fewer particles or --backend cpu" : "");
 }
 
 }  // namespace tandem::particles

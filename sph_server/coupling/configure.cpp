@@ -28,14 +28,15 @@ std::size_t Solver::check_memory(const LiquidStart& start) const {
   const std::size_t count = start.particles() +
                             Traffic(*scene_.sph, start.inlets, start.setup).to_come(scene_.end_time),
                     bytes =
-                        predicted_bytes(count, properties_,
+                        predicted_bytes(count, start.setup,
                                         scene_.sph->precision == scene::LiquidPrecision::mixed, with_copy),
-                    available = particles::available_memory(particles::Backend::cpu);
+                    available = particles::available_memory(start.setup.backend);
   if (bytes > available)
     throw Error(ErrorCode::resource,
                 fmt::format("the {} particles of the liquid need {:.4g} GB; {:.4g} GB are free", count,
                             static_cast<double>(bytes) / 1e9, static_cast<double>(available) / 1e9),
-                "host memory", "give a larger sph.spacing");
+                start.setup.backend == particles::Backend::cuda ? "device memory" : "host memory",
+                "give a larger sph.spacing");
   return bytes;
 }
 
@@ -46,13 +47,12 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (!scene_.sph)
     throw Error(ErrorCode::scene, "has no 'sph'", configuration.origin, "no sph_server is needed");
   scene::expect_no_solver_options(scene_.sph->solver_options, configuration.origin, "sph", "sph_server");
-  if (configuration.backend == "cuda" && !scene_.dem)
-    throw Error(ErrorCode::resource, "sph_server computes on the CPU only", "--backend",
-                "give --backend cpu");
+  const particles::Backend backend = particles::choose_backend(configuration.backend);
   const scene::Sph& sph = *scene_.sph;
   const scene::Liquid& liquid = sph.liquids.front();
 
   LiquidStart start = prepare_start(scene_, configuration.meshes);
+  start.setup.backend = backend;
   start.setup.threads = configuration.threads;
   const std::vector<BodyWalls>& walls = start.walls;
   properties_ = start.setup.liquid;
@@ -106,8 +106,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
 
   protocol::SphFacts facts;
   facts.particles = id_.size();
-  facts.backend = "cpu";
-  facts.device = particles::device_name(particles::Backend::cpu);
+  facts.backend = backend == particles::Backend::cuda ? "cuda" : "cpu";
+  facts.device = particles::device_name(backend);
   facts.precision = precision_name();
   facts.predicted_memory = static_cast<double>(predicted) / 1e6;
   std::vector<std::string>& left_out = facts.left_out.emplace();
@@ -128,9 +128,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   others["sound_speed_by"] = liquid.sound_speed ? "scene" : "rule";
   others["setup_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   log::info(
-      "{} particles of '{}' on cpu ({}), spacing {:.4g} m, speed of sound {:.4g} m/s, step {:.4g} s: {} in a "
+      "{} particles of '{}' on {} ({}), spacing {:.4g} m, speed of sound {:.4g} m/s, step {:.4g} s: {} in a "
       "window",
-      id_.size(), liquid.name, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
+      id_.size(), liquid.name, *facts.backend, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
       *facts.steps_per_window);
   for (const std::string& what : left_out) log::info("left out: {}", what);
   std::vector<double> measured;

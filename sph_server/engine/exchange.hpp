@@ -21,21 +21,25 @@ void exchange_entries(std::span<const std::uint32_t> leaving, std::size_t more, 
   all.resize(kept + more);
 }
 
-template <class Real, bool shifting>
-void LiquidEngineOf<Real, shifting>::exchange(std::span<const std::uint32_t> leaving,
-                                              const LiquidState& arriving,
-                                              const std::vector<particles::BodyPose>& poses) {
+template <class Exec, class Real, bool shifting>
+void LiquidEngineOf<Exec, Real, shifting>::exchange(std::span<const std::uint32_t> leaving,
+                                                    const LiquidState& arriving,
+                                                    const std::vector<particles::BodyPose>& poses) {
   rebuild();  // counts the particles that passed a wall until now
-  const std::size_t more = arriving.size(), kept = position_.size() - leaving.size();
-  each_particle_array([&](auto& array) { exchange_entries(leaving, more, array); });
-  use_arrays();
+  Host host = download();
+  const std::size_t more = arriving.size(), kept = count_ - leaving.size();
+  each(host, [&](auto& array) { exchange_entries(leaving, more, array); });
+  for (std::size_t k = 0; k < more; ++k) place(host, static_cast<std::uint32_t>(kept + k), arriving, k);
+  upload(host);
   set_poses(poses);
-  for (std::size_t k = 0; k < more; ++k) place(static_cast<std::uint32_t>(kept + k), arriving, k);
-  built_at_.clear();
+  built_ = false;
   rebuild();
   sum_rates();
-  for (std::size_t i = kept; i < position_.size(); ++i) advance_.update_state(static_cast<std::uint32_t>(i));
-  if (more > 0) sum_rates();
+  if (more > 0) {
+    // The tension that the new ones bear follows from what fills their kernels.
+    exec_.for_each(count(), UpdateState<Real>{advance_, static_cast<std::uint32_t>(kept)});
+    sum_rates();
+  }
   begin_steps();
 }
 

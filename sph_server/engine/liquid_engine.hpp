@@ -1,4 +1,4 @@
-// A liquid on the threads of a CPU: its arrays, the order of the loops of a step, and its balances.
+// A liquid on a CPU or GPU: its arrays, the order of the loops of a step, and its balances.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 #include "common/geometry/triangle_mesh.hpp"
 #include "common/math/rotation.hpp"
+#include "particles/base/backend.hpp"
 #include "particles/geometry/path.hpp"
 #include "particles/geometry/periods.hpp"
 #include "sph_server/equations/liquid.hpp"
@@ -23,7 +24,8 @@ struct LiquidSetup {
   particles::Periods periods;       // of the domain
   std::vector<TriangleMesh> walls;  // one per body, in its frame
   std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
-  unsigned threads = 1;             // 0: see particles::ThreadPool
+  particles::Backend backend = particles::Backend::cpu;
+  unsigned threads = 1;  // of the CPU; 0: see particles::ThreadPool
   // Particles that there may be where some come in later, for the range of sums; 0: those of the start.
   std::size_t capacity = 0;
 };
@@ -58,6 +60,14 @@ struct EnergyBalance {
   double changes() const {
     return gravity + viscosity + bulk_viscosity + diffusion + cavitation + ghost + repulsion + walls;
   }
+};
+
+// Sums over all particles at one time.
+struct LiquidTotals {
+  Vec3d momentum;          // [kg m/s]
+  double volume = 0;       // sum of m/rho [m3]
+  double kinetic = 0;      // energy [J]
+  double compression = 0;  // energy [J]
 };
 
 struct StepFigures {
@@ -96,8 +106,9 @@ class LiquidEngine {
   // The same as the mean over the last step, about the origins at its begin: times dt it is the opposite of
   // the impulse that the liquid got from the bodies.
   virtual const std::vector<Wrench>& step_loads() const = 0;
-  virtual Vec3d momentum() const = 0;  // of the liquid [kg m/s]
-  virtual double volume() const = 0;   // sum of m/rho of the particles [m3]
+  virtual LiquidTotals totals() const = 0;
+  Vec3d momentum() const { return totals().momentum; }  // of the liquid [kg m/s]
+  double volume() const { return totals().volume; }     // sum of m/rho of the particles [m3]
   virtual EnergyBalance energies() const = 0;
   virtual StepFigures figures() const = 0;
 
@@ -114,10 +125,11 @@ class LiquidEngine {
 
 // Error{scene} for a liquid whose properties are out of range. `single`: pair arithmetic and what neighbours
 // read in single precision; position, velocity and compression of a particle keep more digits.
+// Error{resource} for a back end that this build or machine has not.
 std::unique_ptr<LiquidEngine> make_liquid_engine(const LiquidSetup& setup, bool single);
 
 // Memory of the particles of such an engine with their lists and copies of both, as save() makes them,
 // without walls and cells [bytes]. The lists are those of particles in a lattice.
-std::size_t predicted_bytes(std::size_t particles, const Liquid& liquid, bool single, bool with_copy);
+std::size_t predicted_bytes(std::size_t particles, const LiquidSetup& setup, bool single, bool with_copy);
 
 }  // namespace tandem::sph

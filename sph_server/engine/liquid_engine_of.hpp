@@ -1,9 +1,9 @@
-// The engine in one precision.
+// The engine on one back end (backend/cpu/exec_cpu.hpp, backend/cuda/exec_cuda.cuh) in one precision.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -11,27 +11,20 @@
 
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
-#include "particles/base/thread_pool.hpp"
 #include "particles/grid/cell_grid.hpp"
+#include "sph_server/engine/device_walls.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/engine/liquid_memory.hpp"
+#include "sph_server/engine/totals.hpp"
 #include "sph_server/equations/time_step.hpp"
-#include "sph_server/neighbours/neighbour_list.hpp"
-#include "sph_server/step/advance.hpp"
+#include "sph_server/step/see_facets.hpp"
 #include "sph_server/step/sum_rates.hpp"
 
 namespace tandem::sph {
 
 inline constexpr double list_skin = 0.3;  // [spacings]
 
-// Sums of one thread, one per body.
-struct BodySums {
-  std::vector<BodySum> of;
-  void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
-    of[body].add(acceleration, torque, q);
-  }
-};
-
-template <class Real, bool shifting>
+template <class Exec, class Real, bool shifting>
 class LiquidEngineOf final : public LiquidEngine {
  public:
   using LiquidEngine::set_state;
@@ -40,8 +33,9 @@ class LiquidEngineOf final : public LiquidEngine {
   explicit LiquidEngineOf(const LiquidSetup& setup)
       : setup_(setup),
         reach_(setup.liquid.support() + list_skin * setup.liquid.spacing),
-        pool_(setup.threads),
+        exec_(setup.threads),
         walls_(setup.walls, reach_, setup.slip),
+        device_walls_(exec_, walls_),
         unit_(particles::LengthUnit<Real>::for_lengths(4 * setup.liquid.support())) {
     expect_liquid(setup.liquid);
     round_periods();
@@ -49,19 +43,20 @@ class LiquidEngineOf final : public LiquidEngine {
     for (int a = 0; a < 3; ++a)
       farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
     centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, 4);
+    pairs_.unit = unit_;
+    pairs_.pair = PairConstants<Real>::of(setup.liquid);
+    place_.support = setup.liquid.support();
+    see_.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     rates_.properties = setup.liquid;
-    rates_.pairs.unit = unit_;
-    rates_.pairs.pair = PairConstants<Real>::of(setup.liquid);
-    rates_.walls.centres = centres_;
+    rates_.peak = Kernel<double>::of_support(setup.liquid.support()).peak;
     rates_.walls.wall = WallConstants::of(setup.liquid);
     rates_.walls.repulsion = WallRepulsion::of(setup.liquid);
-    rates_.walls.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
+    rates_.walls.kernel = see_.kernel;
     rates_.walls.mass = setup.liquid.mass();
     rates_.walls.spacing = setup.liquid.spacing;
-    rates_.walls.walls = walls_.view();
-    advance_.centres = centres_;
     advance_.periods = setup_.periods;
     advance_.properties = setup.liquid;
+    place_.centres = see_.centres = rates_.walls.centres = advance_.centres = centres_;
   }
 
   void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) override {
@@ -70,14 +65,16 @@ class LiquidEngineOf final : public LiquidEngine {
     if ((n == 0 && setup_.capacity == 0) || n >= Neighbour::most)
       throw Error(ErrorCode::scene, "a liquid of " + std::to_string(n) + " particles", "particles",
                   "give from 1 to " + std::to_string(Neighbour::most - 1));
-    allocate(n);
-    for (std::uint32_t i = 0; i < n; ++i) place(i, state, i);
+    Host host;
+    each(host, [n](auto& array) { array.resize(n); });
+    for (std::uint32_t i = 0; i < n; ++i) place(host, i, state, i);
+    upload(host);
     set_quanta(std::max(n, setup_.capacity));
-    built_at_.clear();
+    built_ = false;
     rebuild();
     // The tension that particles bear follows from what fills their kernels.
     sum_rates();
-    for (std::uint32_t i = 0; i < n; ++i) advance_.update_state(i);
+    exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     begin_steps();
     work_ = {};
@@ -86,13 +83,15 @@ class LiquidEngineOf final : public LiquidEngine {
                 const std::vector<particles::BodyPose>& poses) override;
 
   LiquidState state() const override {
+    const Host host = download();
     LiquidState s;
-    for (std::uint32_t i = 0; i < position_.size(); ++i) {
-      s.position.push_back(centre(i));
-      s.velocity.push_back(particles::velocity_of(velocity_[i], fine_[i]));
-      s.compression.push_back(compression_[i]);
-      s.pressure.push_back(static_cast<double>(state_[i].pressure));
-      s.slope.push_back(slope_[i].template as<double>());
+    for (std::size_t i = 0; i < count_; ++i) {
+      const particles::FinePart<Real> fine = fine_of(host, i);
+      s.position.push_back(centres_.metres(centres_.joined(host.position[i], fine)));
+      s.velocity.push_back(particles::velocity_of(host.velocity[i], fine));
+      s.compression.push_back(host.compression[i]);
+      s.pressure.push_back(static_cast<double>(host.state[i].pressure));
+      s.slope.push_back(host.slope[i].template as<double>());
     }
     return s;
   }
@@ -112,18 +111,10 @@ class LiquidEngineOf final : public LiquidEngine {
     previous_body_sums_ = body_sums_;
     last_dt_ = dt;
     set_poses(poses);
-    std::vector<double> farthest2(pool_.size(), 0.0);
-    for_each([&](unsigned thread, std::uint32_t i) {
-      advance_(i);
-      const Vec3d moved = setup_.periods.shortest(centre(i) - built_at_[i]);
-      // A position that is not a number is rebuilt, and refused there.
-      const double far2 = norm2(moved);
-      farthest2[thread] = far2 <= farthest2[thread] ? farthest2[thread] : far2;
-    });
-    double far2 = 0;
-    for (const double one : farthest2) far2 = one <= far2 ? far2 : one;
+    const Farthest farthest =
+        exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data()});
     const double skin = list_skin * setup_.liquid.spacing;
-    if (!(2 * std::sqrt(far2) + walls_.moved_from(built_poses_) < skin)) rebuild();
+    if (!(2 * std::sqrt(farthest.squared) + walls_.moved_from(built_poses_) < skin)) rebuild();
     sum_rates();
   }
 
@@ -134,9 +125,9 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.damping = damping;
     rates_.properties.gravity = {};
     rates_.walls.continued = false;
-    for (std::uint32_t i = 0; i < position_.size(); ++i) advance_.update_state(i);
+    exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
-    acceleration_[1] = acceleration_[0];
+    exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
     for (int k = 0; k < steps; ++k) step(dt, poses());
     rates_.properties.gravity = setup_.liquid.gravity;
     rates_.walls.continued = true;
@@ -151,25 +142,25 @@ class LiquidEngineOf final : public LiquidEngine {
   }
   const std::vector<Wrench>& step_loads() const override { return step_loads_; }
 
-  Vec3d momentum() const override {
-    Vec3d sum;
-    for (std::size_t i = 0; i < velocity_.size(); ++i) sum += particles::velocity_of(velocity_[i], fine_[i]);
-    return setup_.liquid.mass() * sum;
-  }
-
-  double volume() const override {
-    double sum = 0;
-    for (const double e : compression_) sum += 1 / (1 + e);
-    return setup_.liquid.mass() / setup_.liquid.density * sum;
+  LiquidTotals totals() const override {
+    const Liquid& l = setup_.liquid;
+    const TotalQuanta q = TotalQuanta::of(count_, figures_.largest_speed, figures_.largest_compression);
+    const Totals t = exec_.template reduce<Totals>(count(), AddTotals<Real>{liquid_, q});
+    LiquidTotals all;
+    for (int a = 0; a < 3; ++a) all.momentum[a] = l.mass() * particles::from_fixed(t.momentum[a], q.velocity);
+    all.kinetic = 0.5 * l.mass() * particles::from_fixed(t.kinetic, q.square);
+    all.compression =
+        l.mass() * l.sound_speed * l.sound_speed * particles::from_fixed(t.compression, q.energy);
+    all.volume = l.mass() / l.density *
+                 (static_cast<double>(count_) + particles::from_fixed(t.expansion, q.expansion));
+    return all;
   }
 
   EnergyBalance energies() const override {
+    const LiquidTotals now = totals();
     EnergyBalance e;
-    const Liquid& l = setup_.liquid;
-    for (std::uint32_t i = 0; i < position_.size(); ++i) {
-      e.kinetic += 0.5 * l.mass() * norm2(particles::velocity_of(velocity_[i], fine_[i]));
-      e.compression += l.mass() * l.sound_speed * l.sound_speed * tait_energy(compression_[i]);
-    }
+    e.kinetic = now.kinetic;
+    e.compression = now.compression;
     const auto of = [this](Power p) { return work_.of[static_cast<int>(p)]; };
     e.gravity = of(Power::gravity);
     e.viscosity = of(Power::viscosity);
@@ -191,26 +182,18 @@ class LiquidEngineOf final : public LiquidEngine {
   void read(const Source& source, std::size_t particles) override;
 
  private:
-  // All that a step reads and that follows from nothing else, besides the lists.
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+  using Memory = LiquidMemory<Exec::template Buffer, Real, shifting>;
+  using Host = HostLiquid<Real, shifting>;
+
+  // What a step reads and that follows from nothing else, besides arrays of particles and the lists.
   template <class Engine, class Visit>
-  static void each_array(Engine& e, Visit visit) {
-    visit("position", e.position_);
-    visit("velocity", e.velocity_);
-    visit("fine", e.fine_);
-    visit("pressure_volume", e.state_);
-    visit("slope", e.slope_);
-    visit("filled", e.filled_);
-    if constexpr (shifting) visit("shift", e.shift_);
-    visit("compression", e.compression_);
-    visit("acceleration", e.acceleration_[0]);
-    visit("previous_acceleration", e.acceleration_[1]);
-    visit("rate", e.rate_[0]);
-    visit("previous_rate", e.rate_[1]);
+  static void each_value(Engine& e, Visit visit) {
     visit("body_sums", e.body_sums_);
     visit("previous_body_sums", e.previous_body_sums_);
     visit("step_loads", e.step_loads_);
     visit("poses", e.poses_);
-    visit("built_at", e.built_at_);
     visit("built_poses", e.built_poses_);
     visit("power", e.power_);
     visit("previous_power", e.previous_power_);
@@ -218,58 +201,57 @@ class LiquidEngineOf final : public LiquidEngine {
     visit("last_dt", e.last_dt_);
     visit("figures", e.figures_);
   }
-
-  // Arrays with an entry per particle.
   template <class Visit>
-  void each_particle_array(Visit visit) {
-    visit(position_);
-    visit(velocity_);
-    visit(fine_);
-    visit(state_);
-    visit(slope_);
-    visit(filled_);
-    if constexpr (shifting) visit(shift_);
-    visit(compression_);
-    for (int side = 0; side < 2; ++side) {
-      visit(acceleration_[side]);
-      visit(rate_[side]);
-    }
+  static void each(Host& host, Visit visit) {
+    Host::each([&](const char*, auto& array) { visit(array); }, host);
   }
 
-  template <class Each>
-  void for_each(Each each) {
-    const std::size_t n = position_.size();
-    pool_.run([&](unsigned thread) {
-      const std::size_t begin = n * thread / pool_.size(), end = n * (thread + 1) / pool_.size();
-      for (std::size_t i = begin; i < end; ++i) each(thread, static_cast<std::uint32_t>(i));
-    });
+  std::uint32_t count() const { return static_cast<std::uint32_t>(count_); }
+
+  static particles::FinePart<Real> fine_of([[maybe_unused]] const Host& host,
+                                           [[maybe_unused]] std::size_t i) {
+    if constexpr (particles::has_fine_part<Real>)
+      return host.fine[i];
+    else
+      return {};
+  }
+
+  // Takes the particles of `host`.
+  void upload(const Host& host) {
+    allocate(host.position.size());
+    Memory::each(
+        [this](const char*, auto& to, const auto& from) {
+          if (!from.empty()) exec_.upload(to, std::span(from));
+        },
+        memory_, host);
+  }
+  Host download() const {
+    Host host;
+    const std::size_t n = count_;
+    Memory::each(
+        [&](const char*, const auto& from, auto& to) {
+          to.resize(n);
+          if (n > 0) exec_.download(from, std::span(to));
+        },
+        memory_, host);
+    return host;
+  }
+  void allocate(std::size_t n) {
+    count_ = n;
+    Memory::each([&](const char*, auto& array) { exec_.grow(array, std::max(n, setup_.capacity)); }, memory_);
+    exec_.grow(sums_, std::max(n, setup_.capacity));
+    exec_.grow(built_at_, std::max(n, setup_.capacity));
+    exec_.grow(located_, std::max(n, setup_.capacity));
+    use_arrays();
   }
 
   void place_walls(const std::vector<particles::BodyPose>& poses) {
     for (std::uint32_t body = 0; body < walls_.bodies(); ++body) walls_.set_pose(body, poses[body]);
+    device_walls_.place(exec_, poses);
   }
   void set_poses(const std::vector<particles::BodyPose>& poses) {
     poses_ = poses;
     place_walls(poses);
-  }
-
-  // The bytes of an array, or of a single value.
-  template <class Array>
-  static auto bytes_of(Array& array) {
-    if constexpr (requires { std::span(array); })
-      return as_bytes_of(std::span(array));
-    else
-      return as_bytes_of(std::span(&array, 1));
-  }
-  template <class T, std::size_t extent>
-  static auto as_bytes_of(std::span<T, extent> values) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    return std::as_bytes(values);
-  }
-  template <class Array>
-  static void assign(const std::vector<std::byte>& bytes, Array& array) {
-    const std::span<const std::byte> to = bytes_of(array);
-    if (!bytes.empty()) std::memcpy(const_cast<std::byte*>(to.data()), bytes.data(), bytes.size());
   }
 
   Wrench wrench_of(const BodySum& s) const {
@@ -280,14 +262,6 @@ class LiquidEngineOf final : public LiquidEngine {
     }
     return w;
   }
-
-  void use_list() {
-    liquid_.start = list_.start.data();
-    liquid_.neighbour = list_.neighbour.data();
-    give_arrays();
-  }
-
-  Vec3d centre(std::uint32_t i) const { return centres_.metres(centres_.joined(position_[i], fine_[i])); }
 
   void expect_stable(double dt) const {
     const StepLimits limits =
@@ -308,61 +282,53 @@ class LiquidEngineOf final : public LiquidEngine {
       if constexpr (std::is_same_v<Real, float>) {
         const double quanta = std::nearbyint(length * unit_.inverse);
         length = quanta * static_cast<double>(unit_.size);
-        rates_.pairs.period[a] =
+        pairs_.period[a] =
             static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(quanta)));
       } else {
-        rates_.pairs.period[a] = length;
+        pairs_.period[a] = length;
       }
       setup_.domain.max[a] = setup_.domain.min[a] + length;
     }
   }
 
-  void allocate(std::size_t n) {
-    each_particle_array([n](auto& array) { array.assign(n, {}); });
-    use_arrays();
-  }
-
-  void use_arrays() {
-    liquid_.count = static_cast<std::uint32_t>(position_.size());
-    liquid_.position = position_.data();
-    liquid_.velocity = velocity_.data();
-    liquid_.fine = fine_.data();
-    liquid_.state = state_.data();
-    liquid_.compression = compression_.data();
-    liquid_.slope = slope_.data();
-    liquid_.filled = filled_.data();
-    if constexpr (shifting) liquid_.shift = shift_.data();
-    for (int side = 0; side < 2; ++side) {
-      liquid_.acceleration[side] = acceleration_[side].data();
-      liquid_.rate[side] = rate_[side].data();
-    }
-    give_arrays();
-  }
-
-  // Initialises particle i as particle k of `from`, with the gradient of a liquid at rest.
-  void place(std::uint32_t i, const LiquidState& from, std::size_t k) {
+  // Initialises particle i as particle k of `from`, with the gradient of a liquid at rest. Its other values
+  // are zero.
+  void place(Host& host, std::uint32_t i, const LiquidState& from, std::size_t k) {
     particles::FinePart<Real> fine{};
-    position_[i].radius = 0;
-    centres_.split(centres_.wrapped(centres_.of(from.position[k]), setup_.periods), position_[i], fine);
-    particles::set_velocity(from.velocity[k], velocity_[i], fine);
-    fine_[i] = fine;
-    compression_[i] = from.compression[k];
-    slope_[i] = (setup_.liquid.density * setup_.liquid.gravity).template as<Real>();
-    filled_[i] = 1;
-    advance_.update_state(i);
+    centres_.split(centres_.wrapped(centres_.of(from.position[k]), setup_.periods), host.position[i], fine);
+    particles::set_velocity(from.velocity[k], host.velocity[i], fine);
+    if constexpr (particles::has_fine_part<Real>) host.fine[i] = fine;
+    host.compression[i] = from.compression[k];
+    host.slope[i] = (setup_.liquid.density * setup_.liquid.gravity).template as<Real>();
+    host.filled[i] = 1;
+    Advance<Real> advance = advance_;
+    advance.liquid = host.view(host.position.size());
+    advance.update_state(i);
   }
 
   // The next step has no step before it.
   void begin_steps() {
-    acceleration_[1] = acceleration_[0];
-    rate_[1] = rate_[0];
+    exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
+    exec_.copy(memory_.rate[0], memory_.rate[1]);
+    use_arrays();
     previous_body_sums_ = body_sums_;
     step_loads_ = loads();
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
     last_dt_ = 0;
   }
 
-  void give_arrays() { rates_.pairs.liquid = rates_.walls.liquid = advance_.liquid = liquid_; }
+  // Gives the functors the arrays where they are now.
+  void use_arrays() {
+    liquid_ = memory_.view(count_);
+    liquid_.neighbours = neighbours_.view();
+    arrays_ = {facets_.view(), particle_.data(), near_count_.data(), near_.data(), seen_.data()};
+    pairs_.liquid = place_.liquid = see_.liquid = rates_.liquid = rates_.walls.liquid = advance_.liquid =
+        liquid_;
+    place_.arrays = see_.arrays = rates_.walls.arrays = arrays_;
+    place_.walls = rates_.walls.walls = device_walls_.view();
+    pairs_.result = sums_.data();
+    rates_.pairs = sums_.data();
+  }
 
   // Sums reach their range only in a liquid that has long burst.
   void set_quanta(std::size_t n) {
@@ -374,44 +340,73 @@ class LiquidEngineOf final : public LiquidEngine {
     quanta_.power = particles::Quantum::for_range(many * l.mass() * acceleration * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
     quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
-    rates_.pairs.quanta = rates_.walls.quanta = quanta_;
+    pairs_.quanta = rates_.quanta = rates_.walls.quanta = quanta_;
   }
 
   void rebuild() {
-    std::vector<Vec3d> x(position_.size());
-    for (std::uint32_t i = 0; i < x.size(); ++i) {
-      x[i] = centre(i);
-      for (int a = 0; a < 3; ++a)
-        if (!(x[i][a] >= setup_.domain.min[a] && x[i][a] <= setup_.domain.max[a]))
-          throw Error(
-              ErrorCode::numerics,
-              "particle " + std::to_string(i) + " is at " + scene::rounded(x[i]) + " m, outside the domain",
-              "liquid", "enlarge the domain, or take a smaller step");
-      if (!built_at_.empty() && built_at_.size() == x.size()) {
-        const Vec3d now = built_at_[i] + setup_.periods.shortest(x[i] - built_at_[i]);
-        figures_.passed_walls += walls_.passed(built_poses_, built_at_[i], now) ? 1 : 0;
-      }
+    Locate<Real> locate;
+    locate.liquid = liquid_;
+    locate.centres = centres_;
+    locate.periods = setup_.periods;
+    locate.domain = setup_.domain;
+    locate.x = located_.data();
+    if (built_) {
+      exec_.upload(built_pose_, std::span<const particles::BodyPose>(built_poses_));
+      locate.built_at = built_at_.data();
+      locate.built_pose = built_pose_.data();
+      locate.facets = facets_.view();
+      locate.walls = device_walls_.view();
     }
-    if (grid_.total == 0)
-      grid_ =
-          particles::make_cell_grid(setup_.domain, setup_.periods, reach_, particles::most_cells(x.size()));
-    build_list(grid_, setup_.periods, x, reach_, walls_, pool_, list_);
-    use_list();
-    built_at_ = std::move(x);
+    const Strays strays = exec_.template reduce<Strays>(count(), locate);
+    if (strays.first_outside < count_) refuse_outside(strays.first_outside);
+    figures_.passed_walls += strays.passed;
+    std::swap(built_at_, located_);
+    build_lists();
     built_poses_ = walls_.poses();
+    built_ = true;
     ++figures_.rebuilds;
   }
 
-  void sum_rates() {
-    std::vector<Tally> tallies(pool_.size());
-    std::vector<BodySums> bodies(pool_.size(), BodySums{std::vector<BodySum>(walls_.bodies())});
-    for_each([&](unsigned thread, std::uint32_t i) { rates_(i, tallies[thread], bodies[thread]); });
-    Tally sum;
-    body_sums_.assign(walls_.bodies(), {});
-    for (unsigned t = 0; t < pool_.size(); ++t) {
-      sum.add(tallies[t]);
-      for (std::uint32_t b = 0; b < walls_.bodies(); ++b) body_sums_[b].add(bodies[t].of[b]);
+  // The lists of the positions in built_at_.
+  void build_lists() {
+    if (grid_.total == 0) {
+      grid_ = particles::make_cell_grid(setup_.domain, setup_.periods, reach_, particles::most_cells(count_));
+      cell_start_.resize(std::size_t{grid_.total} + 2);
     }
+    for (auto* array : {&key_, &scratch_, &in_cell_, &near_count_}) exec_.grow(*array, count_);
+    exec_.sort_into_cells(count(), grid_.total, CellOfParticle{grid_, built_at_.data()}, key_.data(),
+                          scratch_.data(), cell_start_, in_cell_);
+    const WallsView walls = device_walls_.view();
+    // Lists are symmetric also where two particles are just within the reach.
+    exec_.build_list(count(), FindFacets{walls, built_at_.data(), reach_ * (1 + 1e-9)}, facets_);
+    exec_.build_list(count(),
+                     FindNeighbours{grid_, setup_.periods, cell_start_.data(), in_cell_.data(),
+                                    built_at_.data(), reach_, walls, facets_.view()},
+                     neighbours_);
+    exec_.grow(particle_, facets_.total);
+    exec_.grow(near_, facets_.total);
+    exec_.grow(seen_, facets_.total);
+    if (facets_.total > 0) exec_.for_each(count(), NameParticles{facets_.view(), particle_.data()});
+    use_arrays();
+  }
+
+  // Builds the lists of built_at_ and built_poses_.
+  void use_saved_lists();
+
+  void refuse_outside(std::uint32_t i) const {
+    const Host host = download();
+    const Vec3d x = centres_.metres(centres_.joined(host.position[i], fine_of(host, i)));
+    throw Error(ErrorCode::numerics,
+                "particle " + std::to_string(i) + " is at " + scene::rounded(x) + " m, outside the domain",
+                "liquid", "enlarge the domain, or take a smaller step");
+  }
+
+  void sum_rates() {
+    exec_.sum_over_lanes(count(), pairs_);
+    if (walls_.bodies() > 0) exec_.for_each(count(), place_);
+    exec_.for_each(facets_.total, see_);
+    body_sums_.resize(walls_.bodies());
+    const Tally sum = exec_.template reduce<Tally>(count(), rates_, body_sums_);
     if (sum.crowded_by_facets > 0)
       throw Error(ErrorCode::scene,
                   "more than " + std::to_string(NearWalls::most) + " facets within " +
@@ -433,36 +428,53 @@ class LiquidEngineOf final : public LiquidEngine {
 
   LiquidSetup setup_;
   double reach_ = 0;  // support and skin [m]
-  particles::ThreadPool pool_;
+  mutable Exec exec_;
   Walls walls_;
+  DeviceWalls<Exec> device_walls_;
   particles::LengthUnit<Real> unit_;
   particles::CentreUnit<Real> centres_;
+
+  std::size_t count_ = 0;  // particles
+  Memory memory_;
+  Buffer<PairSums<Real, shifting>> sums_;
+  // Lists, and what they were built from.
   particles::CellGrid grid_;
-  NeighbourList list_;
-  std::vector<Vec3d> built_at_;                   // positions when the list was built [m]
-  std::vector<particles::BodyPose> built_poses_;  // and poses
-  std::vector<particles::PositionRadius<Real>> position_;
-  std::vector<particles::VelocityKind<Real>> velocity_;
-  std::vector<particles::FinePart<Real>> fine_;
-  std::vector<ParticleState<Real>> state_;
-  std::vector<Vec3<Real>> slope_, shift_;
-  std::vector<float> filled_;
-  std::vector<double> compression_;
-  std::vector<Vec3d> acceleration_[2];
-  std::vector<double> rate_[2];
+  Buffer<std::uint32_t> key_, scratch_, cell_start_, in_cell_;
+  Buffer<Vec3d> built_at_, located_;  // positions when the lists were built, and for the next lists [m]
+  std::vector<particles::BodyPose> built_poses_;
+  Buffer<particles::BodyPose> built_pose_;
+  bool built_ = false;  // lists are those of built_at_
+  List<Exec, Neighbour> neighbours_;
+  List<Exec, std::uint32_t> facets_;
+  Buffer<std::uint32_t> particle_, near_count_;
+  Buffer<NearFacet> near_;
+  Buffer<SeenFacet> seen_;
+
+  // The functors of a step.
+  LiquidArrays<Real> liquid_;
+  WallArrays arrays_;
+  SumPairs<Real, shifting> pairs_;
+  PlaceFacets<Real> place_;
+  SeeFacets<Real> see_;
+  SumRates<Real, shifting> rates_;
+  Advance<Real> advance_;
+  Quanta quanta_;
+
   std::vector<BodySum> body_sums_, previous_body_sums_;
   std::vector<Wrench> step_loads_;
   std::vector<particles::BodyPose> poses_;
-  std::vector<std::vector<std::byte>> saved_;  // in the order of each_array
-  NeighbourList saved_list_;
-  LiquidArrays<Real> liquid_;
-  SumRates<Real, shifting> rates_;
-  Quanta quanta_;
-  Advance<Real> advance_;
   double power_[powers]{}, previous_power_[powers]{};  // [W]
   Work work_;
   double last_dt_ = 0;  // [s]
   StepFigures figures_;
+
+  // See save().
+  struct Copy {
+    std::vector<std::vector<std::byte>> values;  // in the order of each_value
+    std::size_t count = 0;
+    Memory memory;
+    Buffer<Vec3d> built_at;
+  } saved_;
 };
 
 }  // namespace tandem::sph

@@ -61,15 +61,6 @@ WallsView Walls::view() const {
           poses_.data(),  slip_.data(),  beyond_.data(),     bodies()};
 }
 
-bool Walls::passed(const std::vector<particles::BodyPose>& poses_then, Vec3d then, Vec3d now) const {
-  WallsView before = view();
-  before.pose = poses_then.data();
-  const WallsView after = view();
-  for (std::uint32_t body = 0; body < bodies(); ++body)
-    if (after.crossed(body, before.into_body(body, then), after.into_body(body, now))) return true;
-  return false;
-}
-
 double Walls::moved_from(const std::vector<particles::BodyPose>& poses_then) const {
   double most = 0;
   for (std::uint32_t body = 0; body < bodies(); ++body) {

@@ -18,7 +18,6 @@ class Walls {
   Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::vector<bool>& slip = {});
 
   std::uint32_t bodies() const { return static_cast<std::uint32_t>(poses_.size()); }
-  bool any() const { return !facets_.empty(); }
   const std::vector<particles::BodyPose>& poses() const { return poses_; }
   void set_pose(std::uint32_t body, const particles::BodyPose& pose) { poses_[body] = pose; }
   // Refers to this object, and to its poses as they change.
@@ -27,11 +26,16 @@ class Walls {
   // See WallsView.
   void find(Vec3d x, double radius, NearWalls& found) const { view().find(x, radius, found); }
   bool between(Vec3d x, Vec3d y) const { return view().between(x, y); }
-  // Did a point that moved from `then` to `now` pass a wall, while the bodies moved from these poses to
-  // theirs?
-  bool passed(const std::vector<particles::BodyPose>& poses_then, Vec3d then, Vec3d now) const;
   // Bound of how far any facet is from where it was with these poses [m].
   double moved_from(const std::vector<particles::BodyPose>& poses_then) const;
+
+  const std::vector<particles::Facet>& facets() const { return facets_; }
+  // The arrays of WallsView.
+  const std::vector<particles::FacetGrid>& grids() const { return grids_; }
+  const std::vector<std::uint32_t>& cell_start() const { return cell_start_; }
+  const std::vector<std::uint32_t>& cell_facet() const { return cell_facet_; }
+  const std::vector<std::uint8_t>& slip() const { return slip_; }
+  const std::vector<std::uint8_t>& beyond() const { return beyond_; }
 
  private:
   std::vector<particles::Facet> facets_;

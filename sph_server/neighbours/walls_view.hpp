@@ -63,48 +63,69 @@ struct WallsView {
   TANDEM_HD Vec3d into_body(std::uint32_t body, Vec3d x) const {
     return pose[body].R.transpose_times(x - pose[body].p);
   }
-  // `in_body`: a point in the frame of the body [m].
-  TANDEM_HD particles::NearFacets near(std::uint32_t body, Vec3d in_body) const {
-    return particles::near_facets(grid[body], cell_start, cell_facet, in_body);
+  TANDEM_HD NearFacet in_world(std::uint32_t number) const {
+    const particles::Facet& f = facet[number];
+    const particles::BodyPose& at = pose[f.body];
+    return {at.p + at.R * f.a, at.p + at.R * f.b, at.p + at.R * f.c, at.R * f.normal, f.body, beyond[number]};
   }
 
-  // Facets that may have a point within `radius` <= reach of x, in ascending order of body and facet.
-  TANDEM_HD void find(Vec3d x, double radius, NearWalls& found) const {
-    found.count = 0;
-    found.overflow = false;
+  // Calls each(number) for the facets that may have a point within `radius` <= reach of x, in ascending order
+  // of body and facet, until it returns false.
+  template <class Each>
+  TANDEM_HD void for_near(Vec3d x, double radius, Each each) const {
     for (std::uint32_t body = 0; body < bodies; ++body) {
       const Vec3d in_body = into_body(body, x);
       const particles::NearFacets listed = near(body, in_body);
-      for (int k = 0; k < listed.count; ++k) {
-        const particles::Facet& f = facet[listed[k]];
-        if (is_far(f, in_body, radius)) continue;
-        if (found.count == NearWalls::most) {
-          found.overflow = true;
-          return;
-        }
-        const particles::BodyPose& at = pose[body];
-        found.facet[found.count++] = {
-            at.p + at.R * f.a, at.p + at.R * f.b, at.p + at.R * f.c, at.R * f.normal, body,
-            beyond[listed[k]]};
-      }
+      for (int k = 0; k < listed.count; ++k)
+        if (!is_far(facet[listed[k]], in_body, radius) && !each(listed[k])) return;
     }
+  }
+  TANDEM_HD void find(Vec3d x, double radius, NearWalls& found) const {
+    found.count = 0;
+    found.overflow = false;
+    for_near(x, radius, [&](std::uint32_t number) {
+      found.overflow = found.count == NearWalls::most;
+      if (!found.overflow) found.facet[found.count++] = in_world(number);
+      return !found.overflow;
+    });
   }
 
   // Is a facet between two points, less than the reach apart? The answer for (x, y) is that for (y, x).
   TANDEM_HD bool between(Vec3d x, Vec3d y) const {
-    const bool in_order = x.x != y.x ? x.x < y.x : x.y != y.y ? x.y < y.y : x.z < y.z;
-    const Vec3d first = in_order ? x : y, second = in_order ? y : x;
-    for (std::uint32_t body = 0; body < bodies; ++body)
-      if (crossed(body, into_body(body, first), into_body(body, second))) return true;
+    put_in_order(x, y);
+    for (std::uint32_t body = 0; body < bodies; ++body) {
+      const Vec3d from = into_body(body, x), to = into_body(body, y);
+      const particles::NearFacets listed = near(body, from);
+      for (int k = 0; k < listed.count; ++k)
+        if (crosses(facet[listed[k]], from, to)) return true;
+    }
     return false;
   }
+  // The same for one facet.
+  TANDEM_HD bool between(std::uint32_t number, Vec3d x, Vec3d y) const {
+    put_in_order(x, y);
+    const particles::Facet& f = facet[number];
+    return crosses(f, into_body(f.body, x), into_body(f.body, y));
+  }
+  // Did a point that moved from `then` to `now` pass a facet, while the bodies moved from these poses to
+  // theirs?
+  TANDEM_HD bool passed(std::uint32_t number, const particles::BodyPose* poses_then, Vec3d then,
+                        Vec3d now) const {
+    const particles::Facet& f = facet[number];
+    const particles::BodyPose& at = poses_then[f.body];
+    return crosses(f, at.R.transpose_times(then - at.p), into_body(f.body, now));
+  }
 
-  // Does a segment in the frame of the body cross one of its facets? The facets are those near `from`.
-  TANDEM_HD bool crossed(std::uint32_t body, Vec3d from, Vec3d to) const {
-    const particles::NearFacets listed = near(body, from);
-    for (int k = 0; k < listed.count; ++k)
-      if (crosses(facet[listed[k]], from, to)) return true;
-    return false;
+ private:
+  // in_body: a point in the frame of the body [m].
+  TANDEM_HD particles::NearFacets near(std::uint32_t body, Vec3d in_body) const {
+    return particles::near_facets(grid[body], cell_start, cell_facet, in_body);
+  }
+  TANDEM_HD static void put_in_order(Vec3d& x, Vec3d& y) {
+    if (x.x != y.x ? x.x < y.x : x.y != y.y ? x.y < y.y : x.z < y.z) return;
+    const Vec3d first = x;
+    x = y;
+    y = first;
   }
 };
 

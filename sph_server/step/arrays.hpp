@@ -5,7 +5,8 @@
 
 #include "particles/state/particles.hpp"
 #include "sph_server/equations/pair_terms.hpp"
-#include "sph_server/neighbours/neighbour.hpp"
+#include "sph_server/kernel/facet_integrals.hpp"
+#include "sph_server/neighbours/find.hpp"
 
 namespace tandem::sph {
 
@@ -27,11 +28,10 @@ struct LiquidArrays {
   double* compression = nullptr;                        // rho/rho0 - 1 [-] (count)
   Vec3d* acceleration[2]{};                             // of this step and of the one before [m/s2] (count)
   double* rate[2]{};                                    // of the compression, likewise [1/s] (count)
-  Vec3<Real>* slope = nullptr;           // gradient of the pressure, in this step [Pa/m] (count)
-  float* filled = nullptr;               // filled_room(), in this step [-] (count)
-  Vec3<Real>* shift = nullptr;           // velocity of the shift [m/s] (count), or null
-  const std::uint32_t* start = nullptr;  // see NeighbourList (count + 1)
-  const Neighbour* neighbour = nullptr;
+  Vec3<Real>* slope = nullptr;     // gradient of the pressure, in this step [Pa/m] (count)
+  float* filled = nullptr;         // filled_room(), in this step [-] (count)
+  Vec3<Real>* shift = nullptr;     // velocity of the shift [m/s] (count), or null
+  ListView<Neighbour> neighbours;  // both particles of a pair list each other
 
   TANDEM_HD Seen<Real> seen(std::uint32_t i) const {
     return {velocity[i].v, state[i].pressure, state[i].volume, state[i].slope};
@@ -42,6 +42,29 @@ struct LiquidArrays {
     else
       return {};
   }
+};
+
+// The integrals over what a particle sees of a facet.
+struct SeenFacet {
+  FacetIntegrals integrals;
+  bool whole = true;  // false: it falls into too many parts, of which some are missing
+};
+
+// The walls near each particle. Those of particle i begin at facets.start[i].
+struct WallArrays {
+  ListView<std::uint32_t> facets;           // with a point within the reach when the list was built
+  const std::uint32_t* particle = nullptr;  // of each entry of `facets`
+  // Those with a point within the support now: the first near_count[i] entries from facets.start[i] on.
+  std::uint32_t* near_count = nullptr;
+  NearFacet* near = nullptr;
+  SeenFacet* seen = nullptr;
+};
+
+// Facets near one particle.
+struct FacetsOfParticle {
+  static constexpr int most = NearWalls::most;
+  const NearFacet* facet = nullptr;
+  int count = 0;
 };
 
 }  // namespace tandem::sph

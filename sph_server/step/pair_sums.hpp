@@ -19,7 +19,7 @@ struct Quanta {
 };
 
 // Fixed-point sums are of rounded addends that are antisymmetric to the bit, so that the sums over all
-// particles vanish exactly. The others are sums in the order of the list.
+// particles vanish exactly. The others depend on the order of the list.
 template <class Real, bool shifting>
 struct PairSums {
   std::int64_t acceleration[3]{};  // by pressure and viscosity, in quanta
@@ -29,24 +29,43 @@ struct PairSums {
   Real viscous_power = 0;  // of viscosity, of both particles of a pair, divided by the mass [W/kg]
   Real filled = 0;         // sum of V_j W: part of the kernel that neighbours fill [-]
   Crowding<Real, shifting> crowding;
+
+  TANDEM_HD void add(const PairSums& b) {
+    for (int a = 0; a < 3; ++a) acceleration[a] += b.acceleration[a];
+    continuity += b.continuity;
+    diffusion += b.diffusion;
+    viscous += b.viscous;
+    viscous_power += b.viscous_power;
+    filled += b.filled;
+    if constexpr (shifting) {
+      crowding.gradient += b.crowding.gradient;
+      crowding.deformation += b.crowding.deformation;
+    }
+  }
 };
+
+// Four lanes share the neighbours of a particle. A back end adds their sums up as (0 + 1) + (2 + 3).
+inline constexpr std::uint32_t lanes = 4;
 
 template <class Real, bool shifting>
 struct SumPairs {
+  using Sums = PairSums<Real, shifting>;
   LiquidArrays<Real> liquid;
   particles::LengthUnit<Real> unit;
   Vec3<typename particles::LengthUnit<Real>::Count> period;
   PairConstants<Real> pair;
   Quanta quanta;
+  Sums* result = nullptr;  // (count)
 
-  TANDEM_HD PairSums<Real, shifting> operator()(std::uint32_t i) const {
+  // The sums of one lane.
+  TANDEM_HD Sums of_lane(std::uint32_t i, std::uint32_t lane) const {
     using std::sqrt;
-    PairSums<Real, shifting> sum;
+    Sums sum;
     const Seen<Real> self = liquid.seen(i);
     const particles::PositionRadius<Real> here = liquid.position[i];
-    const std::uint32_t end = liquid.start[i + 1];
-    for (std::uint32_t n = liquid.start[i]; n < end; ++n) {
-      const Neighbour neighbour = liquid.neighbour[n];
+    const std::uint32_t end = liquid.neighbours.start[i + 1];
+    for (std::uint32_t n = liquid.neighbours.start[i] + lane; n < end; n += lanes) {
+      const Neighbour neighbour = liquid.neighbours.entry[n];
       const std::uint32_t j = neighbour.index();
       const Vec3<Real> d = apart(here, liquid.position[j], neighbour.image());
       const Real r2 = norm2(d);
@@ -66,6 +85,7 @@ struct SumPairs {
     }
     return sum;
   }
+  TANDEM_HD void take(std::uint32_t i, const Sums& sum) const { result[i] = sum; }
 
  private:
   TANDEM_HD Vec3<Real> apart(const particles::PositionRadius<Real>& a,

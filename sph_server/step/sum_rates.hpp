@@ -12,16 +12,17 @@ namespace tandem::sph {
 
 template <class Real, bool shifting>
 struct SumRates {
-  SumPairs<Real, shifting> pairs;
+  LiquidArrays<Real> liquid;
+  const PairSums<Real, shifting>* pairs = nullptr;  // (count)
   SumWalls<Real> walls;
+  Quanta quanta;
   Liquid properties;
+  double peak = 0;  // W(0) [1/m3]
 
   // `bodies`: sums of this thread.
   template <class Bodies>
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally, Bodies& bodies) const {
-    const LiquidArrays<Real>& liquid = pairs.liquid;
-    const Quanta& quanta = pairs.quanta;
-    PairSums<Real, shifting> sum = pairs(i);
+    PairSums<Real, shifting> sum = pairs[i];
     for (int a = 0; a < 3; ++a) tally.momentum_rate[a] += sum.acceleration[a];
     const double mass = properties.mass();
     tally.add(Power::viscosity, 0.5 * mass * static_cast<double>(sum.viscous_power), quanta.power);
@@ -31,9 +32,9 @@ struct SumRates {
                  pressure = static_cast<double>(liquid.state[i].pressure),
                  volume = static_cast<double>(liquid.state[i].volume);
     const auto neighbours = static_cast<double>(sum.filled);
-    const double own = volume * static_cast<double>(pairs.pair.kernel.peak);
+    const double own = volume * peak;
     WallSums wall;
-    if (walls.walls.bodies > 0) {
+    if (walls.any_near(i)) {
       wall = walls(i, by_pressure, neighbours, own, tally, bodies);
       for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
       viscous += wall.viscous;
@@ -67,9 +68,9 @@ struct SumRates {
 
  private:
   TANDEM_HD Vec3d of(const std::int64_t* acceleration) const {
-    const particles::Quantum q = pairs.quanta.acceleration;
-    return {particles::from_fixed(acceleration[0], q), particles::from_fixed(acceleration[1], q),
-            particles::from_fixed(acceleration[2], q)};
+    return {particles::from_fixed(acceleration[0], quanta.acceleration),
+            particles::from_fixed(acceleration[1], quanta.acceleration),
+            particles::from_fixed(acceleration[2], quanta.acceleration)};
   }
 };
 

@@ -11,8 +11,6 @@
 #include "sph_server/equations/wall_repulsion.hpp"
 #include "sph_server/equations/wall_terms.hpp"
 #include "sph_server/kernel/common_edge.hpp"
-#include "sph_server/kernel/seen_integrals.hpp"
-#include "sph_server/neighbours/walls_view.hpp"
 #include "sph_server/step/arrays.hpp"
 #include "sph_server/step/pair_sums.hpp"
 #include "sph_server/step/tally.hpp"
@@ -24,25 +22,6 @@ inline constexpr double edge_gap = 0.25;
 
 // The part of the kernel's surface integral over a plane below which a facet is a sliver [-].
 inline constexpr double sliver = 1e-5;
-
-// Sums of one body's walls, in quanta: of mass times acceleration, and of torque about the body's origin.
-struct BodySum {
-  std::int64_t acceleration[3]{};
-  std::int64_t torque[3]{};
-
-  void add(Vec3d by_mass, Vec3d moment, const Quanta& q) {
-    for (int a = 0; a < 3; ++a) {
-      acceleration[a] += particles::to_fixed(by_mass[a], q.acceleration);
-      torque[a] += particles::to_fixed(moment[a], q.torque);
-    }
-  }
-  void add(const BodySum& b) {
-    for (int a = 0; a < 3; ++a) {
-      acceleration[a] += b.acceleration[a];
-      torque[a] += b.torque[a];
-    }
-  }
-};
 
 // Added to the sums over neighbours, and to the tally.
 struct WallSums {
@@ -56,6 +35,7 @@ struct WallSums {
 template <class Real>
 struct SumWalls {
   LiquidArrays<Real> liquid;
+  WallArrays arrays;
   particles::CentreUnit<Real> centres;
   WallsView walls;
   WallConstants wall;
@@ -70,15 +50,8 @@ struct SumWalls {
     Vec3d x, v;
     double pressure, volume;
   };
-  // A facet as the particle sees it.
-  struct SeenFacet {
-    FacetIntegrals integrals;
-    Vec3d normal, v_wall;  // towards the particle [-], at the nearest point of the plane [m/s]
-    Vec3d foot;            // nearest point of the plane [m]
-    Vec3d viscous;         // [m/s2]
-    Vec3d force;           // divided by the mass of the particle, without the gradient of ghosts [m/s2]
-    bool seen;
-  };
+
+  TANDEM_HD bool any_near(std::uint32_t i) const { return walls.bodies > 0 && arrays.near_count[i] > 0; }
 
   // pressed: acceleration of the particle by the pressure of its neighbours [m/s2]; neighbours, own: parts
   // of the kernel that they and the particle fill [-]. bodies: sums of the thread.
@@ -91,71 +64,92 @@ struct SumWalls {
                      particles::velocity_of(liquid.velocity[i], fine),
                      static_cast<double>(liquid.state[i].pressure),
                      static_cast<double>(liquid.state[i].volume)};
-    NearWalls near;
-    walls.find(p.x, kernel.R, near);
-    if (near.count == 0) return sum;
-    particles::UninitialisedArray<SeenFacet, NearWalls::most> facet;
-    bool overflow = near.overflow, of_one_body = true;
+    const std::uint32_t begin = arrays.facets.start[i];
+    const SeenFacet* const seen = arrays.seen + begin;
+    FacetsOfParticle near{arrays.near + begin, static_cast<int>(arrays.near_count[i])};
+    if (near.count > FacetsOfParticle::most) {
+      ++tally.crowded_by_facets;
+      return sum;
+    }
+    bool whole = true, of_one_body = true;
     Mat3d missing;  // M of ghost_gradient
     const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
     Nearest nearest;
     for (int k = 0; k < near.count; ++k) {
-      SeenFacet& s = facet[k];
       const NearFacet& f = near.facet[k];
+      const FacetIntegrals& integrals = seen[k].integrals;
       nearest.take(f, p.x, repulsion.range);
-      s.integrals = seen_integrals(p.x, near, k, kernel, overflow);
-      s.seen = s.integrals.surface != 0 || s.integrals.shadow != 0;
+      whole = whole && seen[k].whole;
       of_one_body = of_one_body && f.body == near.facet[0].body;
-      if (!s.seen) continue;
-      const double height = dot(p.x - f.a, f.normal);
-      s.normal = height < 0 ? -f.normal : f.normal;
-      const particles::BodyPose& pose = walls.pose[f.body];
-      s.foot = p.x - height * f.normal;
-      s.v_wall = pose.v + cross(pose.w, s.foot - pose.p);
-      const WallTerms t = wall_terms(wall, s.integrals, s.normal, std::fabs(height), p.v - s.v_wall,
-                                     p.pressure, p.volume, walls.slip[f.body] != 0);
-      s.viscous = t.viscous;
-      s.force = t.pressure + t.viscous;
+      if (!is_seen(integrals)) continue;
+      const AtFacet at(*this, p, f);
+      const WallTerms t = at.terms(*this, p, f, integrals);
       sum.viscous += t.viscous;
       sum.continuity += particles::to_fixed(t.continuity, quanta.rate);
-      sum.surface += s.integrals.surface * s.normal;
-      sum.shadow += s.integrals.shadow;
+      sum.surface += integrals.surface * at.normal;
+      sum.shadow += integrals.shadow;
       pressed += t.pressure;
-      tally.add(Power::viscosity, mass * dot(t.viscous, p.v - s.v_wall), quanta.power);
+      tally.add(Power::viscosity, mass * dot(t.viscous, p.v - at.v_wall), quanta.power);
       for (int a = 0; a < 3; ++a) {
-        missing.row[a] += of_ghosts * (s.normal[a] * s.integrals.moment + s.integrals.sides.row[a]);
-        missing.row[a][a] -= of_ghosts * s.integrals.shadow;
+        missing.row[a] += of_ghosts * (at.normal[a] * integrals.moment + integrals.sides.row[a]);
+        missing.row[a][a] -= of_ghosts * integrals.shadow;
       }
     }
-    tally.crowded_by_facets += overflow ? 1 : 0;
+    tally.crowded_by_facets += whole ? 0 : 1;
     const double share =
         continued ? ghost_share(neighbours, filled_room(neighbours, own, sum.shadow), missing) : 0;
     Mat3d represented = Mat3d::identity();
     for (int a = 0; a < 3; ++a) represented.row[a] += share * missing.row[a];
     const Vec3d by_pressure = share * solved(represented, pressed);
     for (int k = 0; k < near.count; ++k) {
-      const SeenFacet& s = facet[k];
-      if (!s.seen) continue;
-      const Vec3d ghost = ghost_gradient(wall, s.integrals, s.normal, by_pressure, p.volume);
-      const Vec3d total = particles::rounded(s.force + ghost, quanta.acceleration);
-      const std::uint32_t body = near.facet[k].body;
-      const particles::BodyPose& pose = walls.pose[body];
+      const NearFacet& f = near.facet[k];
+      const FacetIntegrals& integrals = seen[k].integrals;
+      if (!is_seen(integrals)) continue;
+      const AtFacet at(*this, p, f);
+      const WallTerms t = at.terms(*this, p, f, integrals);
+      const Vec3d ghost = ghost_gradient(wall, integrals, at.normal, by_pressure, p.volume);
+      const Vec3d total = particles::rounded(t.pressure + t.viscous + ghost, quanta.acceleration);
+      const particles::BodyPose& pose = walls.pose[f.body];
       // Pressure acts on the wall along the line to the particle, shear at the nearest point of its plane.
-      const Vec3d shear =
-          s.viscous +
-          (walls.slip[body] != 0 ? Vec3d{} : shear_of_turning(wall, s.integrals, s.normal, pose.w, p.volume));
-      const Vec3d moment = cross(p.x - pose.p, total - s.viscous) + cross(s.foot - pose.p, shear);
+      const Vec3d shear = t.viscous + (walls.slip[f.body] != 0
+                                           ? Vec3d{}
+                                           : shear_of_turning(wall, integrals, at.normal, pose.w, p.volume));
+      const Vec3d moment = cross(p.x - pose.p, total - t.viscous) + cross(at.foot - pose.p, shear);
       for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(total[a], quanta.acceleration);
-      bodies.add(body, -total, -mass * moment, quanta);
-      tally.add(Power::ghost, mass * dot(ghost, p.v - s.v_wall), quanta.power);
-      tally.add(Power::walls, mass * dot(total, s.v_wall), quanta.power);
+      bodies.add(f.body, -total, -mass * moment, quanta);
+      tally.add(Power::ghost, mass * dot(ghost, p.v - at.v_wall), quanta.power);
+      tally.add(Power::walls, mass * dot(total, at.v_wall), quanta.power);
     }
     if (nearest.distance < repulsion.range) repel(p, nearest, sum, tally, bodies);
-    if (!of_one_body) add_common_edges(p, near, facet.data(), by_pressure, tally, bodies);
+    if (!of_one_body) add_common_edges(p, near, seen, by_pressure, tally, bodies);
     return sum;
   }
 
  private:
+  TANDEM_HD static bool is_seen(const FacetIntegrals& integrals) {
+    return integrals.surface != 0 || integrals.shadow != 0;
+  }
+
+  // Where a particle is beside a facet.
+  struct AtFacet {
+    double height;         // above the plane of the facet [m]
+    Vec3d normal, v_wall;  // towards the particle [-], at the nearest point of the plane [m/s]
+    Vec3d foot;            // nearest point of the plane [m]
+
+    TANDEM_HD AtFacet(const SumWalls& sums, const Particle& p, const NearFacet& f)
+        : height(dot(p.x - f.a, f.normal)),
+          normal(height < 0 ? -f.normal : f.normal),
+          foot(p.x - height * f.normal) {
+      const particles::BodyPose& pose = sums.walls.pose[f.body];
+      v_wall = pose.v + cross(pose.w, foot - pose.p);
+    }
+    TANDEM_HD WallTerms terms(const SumWalls& sums, const Particle& p, const NearFacet& f,
+                              const FacetIntegrals& integrals) const {
+      return wall_terms(sums.wall, integrals, normal, std::fabs(height), p.v - v_wall, p.pressure, p.volume,
+                        sums.walls.slip[f.body] != 0);
+    }
+  };
+
   // The nearest point of all facets within a range.
   struct Nearest {
     double distance = 1e300;  // [m]
@@ -190,12 +184,10 @@ struct SumWalls {
   // Loads that the ghost liquid behind walls of two bodies passes from one to the other at their common
   // edges. The liquid does not notice them.
   template <class Bodies>
-  TANDEM_HD void add_common_edges(const Particle& p, const NearWalls& near, const SeenFacet* facet,
+  TANDEM_HD void add_common_edges(const Particle& p, const FacetsOfParticle& near, const SeenFacet* seen,
                                   Vec3d by_pressure, Tally& tally, Bodies& bodies) const {
     // Rounding leaves slivers of hidden facets in sight, such as of the back of a plate.
-    const auto in_sight = [&](int k) {
-      return facet[k].seen && std::fabs(facet[k].integrals.surface) * kernel.R > sliver;
-    };
+    const auto in_sight = [&](int k) { return std::fabs(seen[k].integrals.surface) * kernel.R > sliver; };
     for (int k = 0; k < near.count; ++k)
       for (int other = 0; other < near.count; ++other) {
         const NearFacet &f = near.facet[k], &g = near.facet[other];
@@ -208,7 +200,8 @@ struct SumWalls {
         const double push =
             p.volume * wall.inverse_mass *
             (2 * p.pressure * integrals.surface - wall.density * dot(by_pressure, integrals.moment));
-        const Vec3d force = particles::rounded(-push * facet[k].normal, quanta.acceleration);
+        const Vec3d towards = dot(p.x - f.a, f.normal) < 0 ? -f.normal : f.normal,
+                    force = particles::rounded(-push * towards, quanta.acceleration);
         const particles::BodyPose &pose_f = walls.pose[f.body], &pose_g = walls.pose[g.body];
         const Vec3d arm_f = p.x - pose_f.p, arm_g = p.x - pose_g.p;
         bodies.add(f.body, force, mass * cross(arm_f, force), quanta);

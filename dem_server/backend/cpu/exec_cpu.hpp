@@ -13,10 +13,9 @@
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
 #include "dem_server/particles.hpp"
-#include "particles/backend/traits.hpp"
+#include "particles/backend/cpu/host_exec.hpp"
 #include "particles/base/fixed_point.hpp"
 #include "particles/base/group.hpp"
-#include "particles/base/thread_pool.hpp"
 #include "particles/geometry/facet_contact.hpp"
 #include "particles/state/window_progress.hpp"
 
@@ -47,59 +46,9 @@ struct alignas(64) HostTally {
   void add_total(int which, std::int64_t amount) { totals[static_cast<std::size_t>(which)] += amount; }
 };
 
-class CpuExec : public CpuTraits {
+class CpuExec : public HostExec {
  public:
-  template <class T>
-  class Buffer {
-   public:
-    void resize(std::size_t n) { data_.resize(n); }
-    T* data() { return data_.data(); }
-    const T* data() const { return data_.data(); }
-    std::size_t size() const { return data_.size(); }
-
-   private:
-    std::vector<T> data_;
-  };
-
-  explicit CpuExec(unsigned threads)
-      : pool_(std::make_unique<ThreadPool>(threads)), tallies_(pool_->size()) {}
-
-  template <class T>
-  void upload(Buffer<T>& to, std::span<const T> from) {
-    to.resize(std::max(to.size(), from.size()));
-    std::copy(from.begin(), from.end(), to.data());
-  }
-  template <class T, class... More>
-  void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
-    std::copy_n(from.data(), to.size(), to.begin());
-    if constexpr (sizeof...(more) > 0) download(more...);
-  }
-  void mark() {}
-  template <class T>
-  void download_marked(const Buffer<T>& from, std::span<T> to) {
-    download(from, to);
-  }
-  template <class T>
-  void copy(const Buffer<T>& from, Buffer<T>& to) {
-    to.resize(from.size());
-    std::copy_n(from.data(), from.size(), to.data());
-  }
-  template <class T>
-  void grow(Buffer<T>& b, std::size_t n) {
-    if (b.size() < n) b.resize(n);
-  }
-  template <class T>
-  void zero(Buffer<T>& b, std::size_t n) {
-    std::fill_n(b.data(), n, T{});
-  }
-
-  template <class F>
-  void for_each(std::uint32_t n, F f) {
-    pool_->run([&](unsigned thread) {
-      const auto [begin, end] = share(n, thread);
-      for (std::uint32_t i = begin; i < end; ++i) f(i);
-    });
-  }
+  explicit CpuExec(unsigned threads) : HostExec(threads), tallies_(pool_->size()) {}
 
   template <class F>
   void for_each_shared(std::uint32_t n, F f) {
@@ -147,25 +96,6 @@ class CpuExec : public CpuTraits {
       for (std::size_t k = 0; k < totals; ++k) record.view.totals[k] += t.totals[k];
   }
 
-  // Sorts n spheres by cell; cell_of(i) < cells. Spheres of one cell keep their order. start: first position
-  // of each cell in `source` (cells + 2); source: former index of each sphere (n); key: memory for the sort
-  // (n).
-  template <class CellOf>
-  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
-                       std::uint32_t*, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
-    for_each(n, [cell_of, key](std::uint32_t i) { key[i] = cell_of(i); });
-    // Next free position of a cell; in the end that is the start of the cell after it.
-    std::uint32_t* next = start.data() + 1;
-    std::fill_n(start.data(), cells + 2, 0);
-    for (std::uint32_t i = 0; i < n; ++i) ++next[key[i] + 1];
-    std::partial_sum(next, next + cells + 1, next);
-    for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key[i]]++] = i;
-  }
-  template <class T>
-  void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
-    std::exclusive_scan(counts.data(), counts.data() + n, counts.data(), T{});
-  }
-
   // Runs the window that `window` describes: rebuilds the lists when that is due, and does micro steps until
   // the window is done or an error occurs.
   template <class View, class Rebuild, class Step>
@@ -189,16 +119,8 @@ class CpuExec : public CpuTraits {
   void forget_captured() {}
   void enlarge_regions() {}
   std::uint32_t regions() const { return 0; }
-  unsigned threads() const { return pool_->size(); }
 
  private:
-  Range share(std::uint32_t n, unsigned thread) const {
-    const auto part = [&](unsigned t) {
-      return static_cast<std::uint32_t>(std::uint64_t{n} * t / pool_->size());
-    };
-    return {part(thread), part(thread + 1)};
-  }
-
   // Searches for close pairs, unless those of the last search are still complete.
   template <class Law, class View>
   void search_close_pairs(const View& view, const CurrentStep& now) {
@@ -285,7 +207,6 @@ class CpuExec : public CpuTraits {
   // A search costs a third of a step.
   static constexpr double steps_between_searches = 16, no_search = -1;
 
-  std::unique_ptr<ThreadPool> pool_;
   std::vector<HostTally> tallies_;
   double close_until_travel_ = no_search;  // close pairs are complete up to this StepProgress::travel [m]
 };

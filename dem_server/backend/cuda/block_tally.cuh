@@ -8,6 +8,7 @@
 
 #include "common/math/vec3.hpp"
 #include "dem_server/particles.hpp"
+#include "particles/backend/cuda/block_sum.cuh"
 #include "particles/base/fixed_point.hpp"
 #include "particles/state/window_progress.hpp"
 
@@ -18,24 +19,6 @@ struct BlockTally {
   unsigned max_speed2, max_overlap_ratio;  // bits of non-negative floats, which sort like the floats
   unsigned error, culprit, lost, touched;
 };
-
-// A 64-bit sum in shared memory, in two halves: shared memory has a native atomic addition of 32 bits, but
-// implements that of 64 bits as a compare-and-swap loop.
-struct SplitSum {
-  unsigned low, high;
-
-  __device__ void add(std::int64_t amount) {
-    const unsigned low_part = static_cast<unsigned>(amount);
-    const unsigned before = atomicAdd(&low, low_part);
-    const unsigned carry = before + low_part < before ? 1 : 0;
-    atomicAdd(&high, static_cast<unsigned>(amount >> 32) + carry);
-  }
-  __device__ unsigned long long value() const { return static_cast<unsigned long long>(high) << 32 | low; }
-};
-
-__device__ inline void add_global(std::int64_t* to, unsigned long long amount) {
-  if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
-}
 
 // Results of the spheres that one thread moves.
 struct MotionTally {
@@ -57,17 +40,6 @@ struct MotionTally {
       add_global(load + std::size_t{row} * 6 + k, static_cast<unsigned long long>(add[k]));
   }
 };
-
-// Sum over the threads of a warp, in limbs of 22 bits: the sum of 32 limbs fits the 32 bits that the hardware
-// reduces at once.
-__device__ inline std::int64_t warp_sum(std::int64_t v) {
-  constexpr unsigned limb = (1u << 22) - 1;
-  const unsigned low = __reduce_add_sync(~0u, static_cast<unsigned>(v) & limb);
-  const unsigned middle = __reduce_add_sync(~0u, static_cast<unsigned>(v >> 22) & limb);
-  const int high = __reduce_add_sync(~0u, static_cast<int>(v >> 44));
-  return low + (static_cast<std::int64_t>(middle) << 22) +
-         static_cast<std::int64_t>(static_cast<unsigned long long>(static_cast<long long>(high)) << 44);
-}
 
 // The load that one thread contributes to one body. The threads of a warp add their loads up before they
 // write to shared memory.

@@ -1,9 +1,6 @@
 #include "dem_server/backend/cuda/exec_cuda.cuh"
 
-#include <charconv>
-#include <cstdlib>
-#include <cstring>
-#include <optional>
+#include "particles/backend/setting.hpp"
 
 namespace tandem::dem {
 
@@ -22,20 +19,6 @@ __global__ void decide_round_kernel(WindowProgress* window, cudaGraphConditional
 
 __global__ void close_round_kernel(WindowProgress* window) {
   close_step(*window, 0, window->progress[0]);
-}
-
-// The number that an environment variable holds; none where the variable is not set. Error{usage} for any
-// other text.
-std::optional<std::uint32_t> setting(const char* name) {
-  const char* text = std::getenv(name);
-  if (text == nullptr) return {};
-  std::uint32_t number = 0;
-  const char* const end = text + std::strlen(text);
-  const auto read = std::from_chars(text, end, number);
-  if (read.ec != std::errc{} || read.ptr != end)
-    throw Error(ErrorCode::usage, std::string("\"") + text + "\" is no whole number", name,
-                "say one, or unset the variable");
-  return number;
 }
 
 // Adds a conditional node to `graph` and returns the graph that it guards.
@@ -58,88 +41,35 @@ CudaExec::CudaExec() {
   plain_launches_ = setting("TANDEM_CUDA_GRAPHS") == 0u;
   most_regions_ = setting("TANDEM_CUDA_REGIONS").value_or(most_regions_);
   if (const auto lanes = setting("TANDEM_CUDA_LANES")) few_spheres_ = *lanes == 1 ? 0 : ~0u;
-  if (const auto threads = setting("TANDEM_CUDA_BLOCK")) {
-    if (*threads == 0 || *threads % 32 != 0)
-      throw Error(ErrorCode::usage, "no block has " + std::to_string(*threads) + " threads",
-                  "TANDEM_CUDA_BLOCK", "say a multiple of 32");
-    most_block_threads_ = *threads;
-  }
-  check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaStreamCreateWithFlags(&second_stream_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaEventCreateWithFlags(&reached_, cudaEventDisableTiming), "making an event");
-  check_cuda(cudaStreamCreateWithFlags(&aside_, cudaStreamNonBlocking), "opening a stream");
-  check_cuda(cudaEventCreateWithFlags(&marked_, cudaEventDisableTiming), "making an event");
-  check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
-  int major = 0;
-  check_cuda(cudaGetDevice(&device_), "asking for the device");
-  check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device_),
+  int device = 0, major = 0;
+  check_cuda(cudaGetDevice(&device), "asking for the device");
+  check_cuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
              "asking for the device's capability");
   overlaps_ = major >= 9;
 }
 
 CudaExec::~CudaExec() {
   forget_captured();
-  cudaFreeHost(landing_);
-  if (marked_ != nullptr) cudaEventDestroy(marked_);
   if (reached_ != nullptr) cudaEventDestroy(reached_);
-  if (aside_ != nullptr) cudaStreamDestroy(aside_);
   if (second_stream_ != nullptr) cudaStreamDestroy(second_stream_);
-  if (stream_ != nullptr) cudaStreamDestroy(stream_);
 }
 
 CudaExec::CudaExec(CudaExec&& other) noexcept
-    : stream_(std::exchange(other.stream_, nullptr)),
+    : DeviceExec(std::move(other)),
       second_stream_(std::exchange(other.second_stream_, nullptr)),
       reached_(std::exchange(other.reached_, nullptr)),
-      aside_(std::exchange(other.aside_, nullptr)),
-      marked_(std::exchange(other.marked_, nullptr)),
-      device_(other.device_),
       executable_(std::exchange(other.executable_, nullptr)),
-      landing_(std::exchange(other.landing_, nullptr)),
-      scratch_(std::move(other.scratch_)),
-      overlaps_(other.overlaps_),
-      plain_launches_(other.plain_launches_),
       most_regions_(other.most_regions_),
+      roomy_regions_(other.roomy_regions_),
       few_spheres_(other.few_spheres_),
-      most_block_threads_(other.most_block_threads_),
-      roomy_regions_(other.roomy_regions_) {}
+      overlaps_(other.overlaps_),
+      plain_launches_(other.plain_launches_) {}
 
 void CudaExec::order(cudaStream_t sooner, cudaStream_t later) {
   check_cuda(cudaEventRecord(reached_, sooner), "marking work");
   check_cuda(cudaStreamWaitEvent(later, reached_), "ordering work");
-}
-
-void CudaExec::begin_download(const void* from, void* to, std::size_t bytes) {
-  void* target = to;
-  if (landed_ + bytes <= landing_bytes) {
-    target = landing_ + landed_;
-    downloads_.push_back({to, landed_, bytes});
-    landed_ += bytes;
-  }
-  check_cuda(cudaMemcpyAsync(target, from, bytes, cudaMemcpyDeviceToHost, stream_),
-             "copying from the device");
-}
-
-void CudaExec::finish_downloads() {
-  const std::vector<Download> landing = std::exchange(downloads_, {});
-  landed_ = 0;
-  check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
-  for (const Download& d : landing) std::memcpy(d.to, landing_ + d.at, d.bytes);
-}
-
-void CudaExec::mark() {
-  check_cuda(cudaEventRecord(marked_, stream_), "marking work");
-}
-
-// The calling thread has to choose the device, and must not be disturbed by a capture in the other thread.
-void CudaExec::copy_marked(const void* from, void* to, std::size_t bytes) {
-  check_cuda(cudaSetDevice(device_), "choosing the device");
-  cudaStreamCaptureMode mode = cudaStreamCaptureModeRelaxed;
-  check_cuda(cudaThreadExchangeStreamCaptureMode(&mode), "allowing copies beside a capture");
-  check_cuda(cudaStreamWaitEvent(aside_, marked_), "ordering work");
-  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, aside_), "copying from the device");
-  check_cuda(cudaStreamSynchronize(aside_), "waiting for the device");
-  check_cuda(cudaThreadExchangeStreamCaptureMode(&mode), "allowing copies beside a capture");
 }
 
 void CudaExec::forget_captured() {

@@ -16,7 +16,6 @@
 #include <cuda_runtime.h>
 
 #include <algorithm>
-#include <cub/device/device_scan.cuh>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,9 +28,8 @@
 #include "dem_server/backend/cuda/resident/resident.cuh"
 #include "dem_server/backend/cuda/streaming/step_kernels.cuh"
 #include "dem_server/particles.hpp"
-#include "particles/backend/cuda/cell_sort.cuh"
+#include "particles/backend/cuda/device_exec.cuh"
 #include "particles/backend/cuda/warp_group.cuh"
-#include "particles/backend/traits.hpp"
 #include "particles/base/check_cuda.cuh"
 #include "particles/base/fixed_point.hpp"
 #include "particles/geometry/facet_contact.hpp"
@@ -39,27 +37,12 @@
 
 namespace tandem::dem {
 
-inline constexpr unsigned block_threads = 128;
-
 // The totals of one thread.
 template <unsigned totals>
 struct TotalsTally {
   std::int64_t sum[totals]{};
 
   __device__ void add_total(int which, std::int64_t amount) { sum[which] += amount; }
-};
-
-template <class F>
-__global__ void for_each_kernel(std::uint32_t n, F f) {
-  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i < n) f(i);
-}
-
-struct Plus {
-  template <class T>
-  __device__ T operator()(const T& a, const T& b) const {
-    return a + b;
-  }
 };
 
 // Atomics on one address are serialised: each block issues one, and there are few blocks.
@@ -83,99 +66,12 @@ __global__ void account_kernel(std::uint32_t n, Record record) {
   if (threadIdx.x < totals) add_global(record.view.totals + threadIdx.x, of_block[threadIdx.x].value());
 }
 
-class CudaExec : public CudaTraits {
+class CudaExec : public DeviceExec {
  public:
-  template <class T>
-  class Buffer {
-   public:
-    Buffer() = default;
-    ~Buffer() { cudaFree(data_); }
-    Buffer(Buffer&& other) noexcept { swap(other); }
-    Buffer& operator=(Buffer&& other) noexcept {
-      swap(other);
-      return *this;
-    }
-    // Contents become zero: a copy of a buffer includes its spare room, which must not be uninitialised.
-    void resize(std::size_t n) {
-      if (n == size_) return;
-      Buffer fresh;
-      if (n > 0) {
-        check_cuda(cudaMalloc(&fresh.data_, n * sizeof(T)), "allocating device memory");
-        check_cuda(cudaMemset(fresh.data_, 0, n * sizeof(T)), "clearing device memory");
-        check_cuda(cudaDeviceSynchronize(),
-                   "clearing device memory");  // stream_ does not wait for other streams
-      }
-      fresh.size_ = n;
-      swap(fresh);
-    }
-    T* data() { return data_; }
-    const T* data() const { return data_; }
-    std::size_t size() const { return size_; }
-
-   private:
-    void swap(Buffer& other) {
-      std::swap(data_, other.data_);
-      std::swap(size_, other.size_);
-    }
-    T* data_ = nullptr;
-    std::size_t size_ = 0;
-  };
-
   CudaExec();
   ~CudaExec();
   CudaExec(CudaExec&& other) noexcept;
 
-  template <class T>
-  void upload(Buffer<T>& to, std::span<const T> from) {
-    if (to.size() < from.size()) to.resize(from.size());
-    check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size_bytes(), cudaMemcpyHostToDevice, stream_),
-               "copying to the device");
-  }
-  // One or more buffers, with one synchronisation for all of them.
-  template <class T, class... More>
-  void download(const Buffer<T>& from, std::span<T> to, const More&... more) {
-    begin_download(from.data(), to.data(), to.size_bytes());
-    if constexpr (sizeof...(more) > 0)
-      download(more...);
-    else
-      finish_downloads();
-  }
-  void mark();
-  template <class T>
-  void download_marked(const Buffer<T>& from, std::span<T> to) {
-    copy_marked(from.data(), to.data(), to.size_bytes());
-  }
-  template <class T>
-  void copy(const Buffer<T>& from, Buffer<T>& to) {
-    to.resize(from.size());
-    check_cuda(
-        cudaMemcpyAsync(to.data(), from.data(), from.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
-        "copying on the device");
-  }
-  template <class T>
-  void grow(Buffer<T>& b, std::size_t n) {
-    if (b.size() >= n) return;
-    Buffer<T> larger;
-    larger.resize(n);
-    if (b.size() > 0)
-      check_cuda(
-          cudaMemcpyAsync(larger.data(), b.data(), b.size() * sizeof(T), cudaMemcpyDeviceToDevice, stream_),
-          "growing device memory");
-    check_cuda(cudaStreamSynchronize(stream_), "growing device memory");
-    b = std::move(larger);
-  }
-  template <class T>
-  void zero(Buffer<T>& b, std::size_t n) {
-    if (sizing_) return;
-    check_cuda(cudaMemsetAsync(b.data(), 0, n * sizeof(T), stream_), "clearing device memory");
-  }
-
-  template <class F>
-  void for_each(std::uint32_t n, F f) {
-    if (sizing_ || n == 0) return;
-    for_each_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(n, f);
-    check_cuda(cudaGetLastError(), "starting a kernel");
-  }
   // One warp per iteration where n is small, which has the lower latency; else one thread, which is less
   // work.
   template <class F>
@@ -217,26 +113,6 @@ class CudaExec : public CudaTraits {
     account_kernel<totals>
         <<<std::min(most_account_blocks, blocks(n, block_threads)), block_threads, 0, stream_>>>(n, record);
     check_cuda(cudaGetLastError(), "starting the accounts");
-  }
-
-  template <class CellOf>
-  void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
-                       std::uint32_t* scratch, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
-    zero(start, cells + 2);
-    if (!sizing_)
-      count_cells_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(
-          n, cell_of, key, source.data(), start.data());
-    check_cuda(cudaGetLastError(), "starting a kernel");
-    exclusive_sum(start, cells + 1);
-    for_each(n, ScatterToCells{key, source.data(), start.data(), scratch});
-    for_each(n, OrderInCells{key, scratch, start.data(), source.data()});
-  }
-  template <class T>
-  void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
-    with_scratch([&](void* scratch, std::size_t& bytes) {
-      return cub::DeviceScan::ExclusiveScan(scratch, bytes, counts.data(), counts.data(), Plus{}, T{},
-                                            static_cast<int>(n), stream_);
-    });
   }
 
   // Divides the lists among the regions.
@@ -298,11 +174,6 @@ class CudaExec : public CudaTraits {
   unsigned threads() const { return 1; }
 
  private:
-  unsigned block(unsigned usual) const { return std::min(usual, most_block_threads_); }
-  static unsigned blocks(std::uint32_t threads, unsigned per_block) {
-    return std::max(1u, (threads + per_block - 1) / per_block);
-  }
-
   // A shorter round wastes fewer idle steps at a rebuild, a longer one has less overhead of the loop. The
   // number must be even, see WindowProgress.
   static constexpr unsigned steps_per_round = 16;
@@ -376,39 +247,11 @@ class CudaExec : public CudaTraits {
 
   // Work that is added to `later` from now on waits for the present work of `sooner`.
   void order(cudaStream_t sooner, cudaStream_t later);
-  void begin_download(const void* from, void* to, std::size_t bytes);
-  void finish_downloads();
-  void copy_marked(const void* from, void* to, std::size_t bytes);
+  void moved_scratch() override { forget_captured(); }
 
-  // Calls a CUB algorithm with scratch memory of the size that it requests.
-  template <class Algorithm>
-  void with_scratch(Algorithm algorithm) {
-    std::size_t bytes = 0;
-    check_cuda(algorithm(nullptr, bytes), "asking for scratch memory");
-    if (scratch_.size() < bytes) {
-      scratch_.resize(bytes);
-      forget_captured();
-    }
-    if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "adding up");
-  }
-
-  cudaStream_t stream_ = nullptr, second_stream_ = nullptr;
+  cudaStream_t second_stream_ = nullptr;
   cudaEvent_t reached_ = nullptr;  // recorded by a stream that another one waits for
-  // Of mark() and download_marked().
-  cudaStream_t aside_ = nullptr;
-  cudaEvent_t marked_ = nullptr;
-  int device_ = 0;
   cudaGraphExec_t executable_ = nullptr;
-  // Small copies to the host go through pinned memory: a copy to pageable memory would synchronise each time.
-  struct Download {
-    void* to;
-    std::size_t at, bytes;  // in landing_
-  };
-  static constexpr std::size_t landing_bytes = 1 << 18;
-  std::byte* landing_ = nullptr;
-  std::size_t landed_ = 0;  // bytes in use
-  std::vector<Download> downloads_;
-  Buffer<std::byte> scratch_;
   Regions regions_;  // count 0: steps go through memory
   Buffer<RegionEntries> region_;
   Buffer<std::uint32_t> work_;  // of each sphere, then summed over all lower indices (n + 1)
@@ -420,13 +263,9 @@ class CudaExec : public CudaTraits {
   // Below this count two threads process each sphere in a step, and a warp processes it in a rebuild; from
   // this count on it is one thread. TANDEM_CUDA_LANES overrides it.
   std::uint32_t few_spheres_ = 250'000;
-  // Largest block of the kernels that go through memory (TANDEM_CUDA_BLOCK). Results do not depend on it;
-  // tests vary it to show that.
-  unsigned most_block_threads_ = ~0u;
   bool overlaps_ = false;        // the device supports programmatic dependencies
   bool plain_launches_ = false;  // TANDEM_CUDA_GRAPHS=0
-  bool sizing_ = false;
-  unsigned step_ = 0;  // number of the step within the round
+  unsigned step_ = 0;            // number of the step within the round
 };
 
 static_assert(BackEnd<CudaExec>);

@@ -234,7 +234,7 @@ TEST(LiquidStart, MemoryIsPredicted) {
     engine->step(1e-6);
     if (copy) engine->save();
     const double predicted =
-        static_cast<double>(sph::predicted_bytes(particles.size(), start.setup.liquid, true, copy));
+        static_cast<double>(sph::predicted_bytes(particles.size(), start.setup, true, copy));
     // What is there for a while only, the list of a thread while it is built, is in the prediction.
     expect_start("memory in use / predicted", 0.7, (used() - before) / predicted, 0.3);
   }

@@ -5,8 +5,9 @@
 #include <numbers>
 #include <vector>
 
+#include "sph_server/backend/cpu/exec_cpu.hpp"
 #include "sph_server/kernel/seen_integrals.hpp"
-#include "sph_server/neighbours/neighbour_list.hpp"
+#include "sph_server/neighbours/walls.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace tandem::test {
@@ -41,7 +42,9 @@ TEST(Walls, AreFoundWhereTheirBodyIs) {
   walls.find({0.2, 0.5, 0.5}, 0.3, near);
   EXPECT_EQ(near.count, 0);
   EXPECT_TRUE(walls.between({4.9, 0, 0.5}, {5.1, 0, 0.5}));
-  EXPECT_TRUE(walls.passed({{{}, Mat3d::identity(), {}, {}}}, {0.1, 0, 0.5}, {4.9, 0, 0.5}))
+  const particles::BodyPose then{{}, Mat3d::identity(), {}, {}};
+  EXPECT_TRUE(walls.view().passed(0, &then, {0.1, 0, 0.5}, {4.9, 0, 0.5}) ||
+              walls.view().passed(1, &then, {0.1, 0, 0.5}, {4.9, 0, 0.5}))
       << "the wall moved across the point";
 }
 
@@ -59,12 +62,24 @@ TEST(NeighbourList, EndsAtASheet) {
   const particles::CellGrid grid = particles::make_cell_grid(domain, {}, 0.5, 1e6);
   const std::vector<Vec3d> x{
       {-0.1, 0.5, 0.5}, {0.1, 0.5, 0.5}, {0.3, 0.5, 0.6}, {-0.05, 0, 1.5}, {0.05, 0, 1.5}};
-  particles::ThreadPool pool(2);
-  NeighbourList list;
-  build_list(grid, {}, x, 0.5, walls, pool, list);
-  EXPECT_EQ(list.start, (std::vector<std::uint32_t>{0, 0, 1, 2, 3, 4}));
-  EXPECT_EQ(list.neighbour[0].index(), 2u);
-  EXPECT_EQ(list.neighbour[2].index(), 4u);
+  CpuExec exec(2);
+  CpuExec::Buffer<std::uint32_t> key, scratch, cell_start, in_cell;
+  for (auto* array : {&key, &scratch, &in_cell}) array->resize(x.size());
+  cell_start.resize(grid.total + 2);
+  const auto n = static_cast<std::uint32_t>(x.size());
+  exec.sort_into_cells(n, grid.total, CellOfParticle{grid, x.data()}, key.data(), scratch.data(), cell_start,
+                       in_cell);
+  List<CpuExec, std::uint32_t> facets;
+  exec.build_list(n, FindFacets{walls.view(), x.data(), 0.5}, facets);
+  List<CpuExec, Neighbour> list;
+  exec.build_list(
+      n,
+      FindNeighbours{grid, {}, cell_start.data(), in_cell.data(), x.data(), 0.5, walls.view(), facets.view()},
+      list);
+  EXPECT_EQ(std::vector<std::uint32_t>(list.start.data(), list.start.data() + n + 1),
+            (std::vector<std::uint32_t>{0, 0, 1, 2, 3, 4}));
+  EXPECT_EQ(list.entry.data()[0].index(), 2u);
+  EXPECT_EQ(list.entry.data()[2].index(), 4u);
 }
 
 // Of a lid that covers a round vessel, points inside see a polygon of as many corners as the vessel has.

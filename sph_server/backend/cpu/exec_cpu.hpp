@@ -1,0 +1,98 @@
+// The CPU back end of a liquid: loops and sums on the threads of a team. sph_server/engine/liquid_engine_of.hpp
+// is written against its members, which backend/cuda/exec_cuda.cuh has as well.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "particles/backend/cpu/host_exec.hpp"
+#include "sph_server/backend/list.hpp"
+#include "sph_server/step/body_sum.hpp"
+
+namespace tandem::sph {
+
+// Sums of one thread, one per body.
+struct BodySums {
+  std::vector<BodySum> of;
+  void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
+    of[body].add(acceleration, torque, q);
+  }
+};
+
+class CpuExec : public particles::HostExec {
+ public:
+  using HostExec::HostExec;
+
+  // find(i, each) calls each(entry) for the entries of particle i.
+  template <class Entry, class Find>
+  void build_list(std::uint32_t n, Find find, List<CpuExec, Entry>& list) {
+    // Each thread lists a range of particles; the ranges are joined in order.
+    std::vector<std::vector<Entry>> found(pool_->size());
+    grow(list.start, std::size_t{n} + 1);
+    std::uint32_t* const count = list.start.data();
+    pool_->run([&](unsigned thread) {
+      const particles::Range range = share(n, thread);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) {
+        const std::size_t before = found[thread].size();
+        find(i, [&](Entry entry) { found[thread].push_back(entry); });
+        count[i] = static_cast<std::uint32_t>(found[thread].size() - before);
+      }
+    });
+    std::size_t total = 0;
+    for (const auto& part : found) total += part.size();
+    list.total = checked_total(total);
+    std::uint32_t begin = 0;
+    for (std::uint32_t i = 0; i < n; ++i) begin += std::exchange(count[i], begin);
+    count[n] = begin;
+    grow(list.entry, total);
+    Entry* to = list.entry.data();
+    for (const auto& part : found) to = std::copy(part.begin(), part.end(), to);
+  }
+
+  // sum.of_lane(i, lane) yields the sums of a lane; sum.take(i, s) gets those of all lanes.
+  template <class Sum>
+  void sum_over_lanes(std::uint32_t n, Sum sum) {
+    for_each(n, [sum](std::uint32_t i) {
+      auto s = sum.of_lane(i, 0), s2 = sum.of_lane(i, 2);
+      s.add(sum.of_lane(i, 1));
+      s2.add(sum.of_lane(i, 3));
+      s.add(s2);
+      sum.take(i, s);
+    });
+  }
+
+  // f(i, tally) adds to a tally of its thread; the sum of all is returned. Tally::add must be exact, so that
+  // the order does not matter.
+  template <class Tally, class F>
+  Tally reduce(std::uint32_t n, F f) {
+    std::vector<Tally> tallies(pool_->size());
+    pool_->run([&](unsigned thread) {
+      const particles::Range range = share(n, thread);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) f(i, tallies[thread]);
+    });
+    Tally sum;
+    for (const Tally& tally : tallies) sum.add(tally);
+    return sum;
+  }
+  // The same for f(i, tally, bodies), with sums for each body.
+  template <class Tally, class F>
+  Tally reduce(std::uint32_t n, F f, std::vector<BodySum>& of_bodies) {
+    std::vector<Tally> tallies(pool_->size());
+    std::vector<BodySums> bodies(pool_->size(), BodySums{std::vector<BodySum>(of_bodies.size())});
+    pool_->run([&](unsigned thread) {
+      const particles::Range range = share(n, thread);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) f(i, tallies[thread], bodies[thread]);
+    });
+    Tally sum;
+    of_bodies.assign(of_bodies.size(), {});
+    for (unsigned t = 0; t < pool_->size(); ++t) {
+      sum.add(tallies[t]);
+      for (std::size_t b = 0; b < of_bodies.size(); ++b) of_bodies[b].add(bodies[t].of[b]);
+    }
+    return sum;
+  }
+};
+
+}  // namespace tandem::sph

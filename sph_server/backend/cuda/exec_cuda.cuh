@@ -1,0 +1,210 @@
+// The CUDA back end of a liquid. Its members are those of backend/cpu/exec_cpu.hpp.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "particles/backend/cuda/block_sum.cuh"
+#include "particles/backend/cuda/device_exec.cuh"
+#include "sph_server/backend/list.hpp"
+#include "sph_server/step/body_sum.hpp"
+
+namespace tandem::sph {
+
+// Counts the entries of each particle.
+template <class Entry, class Find>
+struct CountEntries {
+  Find find;
+  std::uint32_t* count;
+  __device__ void operator()(std::uint32_t i) const {
+    std::uint32_t mine = 0;
+    find(i, [&](Entry) { ++mine; });
+    count[i] = mine;
+  }
+};
+template <class Entry, class Find>
+struct WriteEntries {
+  Find find;
+  const std::uint32_t* start;
+  Entry* entry;
+  __device__ void operator()(std::uint32_t i) const {
+    std::uint32_t at = start[i];
+    find(i, [&](Entry e) { entry[at++] = e; });
+  }
+};
+
+// The value that the thread at this distance has.
+template <class T>
+__device__ T exchanged(const T& own, unsigned distance) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(int) == 0);
+  T other;
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(int); ++k)
+    reinterpret_cast<int*>(&other)[k] =
+        __shfl_xor_sync(~0u, reinterpret_cast<const int*>(&own)[k], static_cast<int>(distance));
+  return other;
+}
+
+struct EntryTotal {
+  std::uint64_t entries = 0;
+  __host__ __device__ void add(const EntryTotal& b) { entries += b.entries; }
+};
+struct AddCount {
+  const std::uint32_t* count;
+  __device__ void operator()(std::uint32_t i, EntryTotal& total) const { total.entries += count[i]; }
+};
+
+// `lanes` threads of a warp have one particle.
+template <class Sum>
+__global__ void __launch_bounds__(particles::block_threads) sum_over_lanes_kernel(std::uint32_t n, Sum sum) {
+  const std::uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x, i = thread / lanes;
+  const bool exists = i < n;
+  auto s = sum.of_lane(exists ? i : n - 1, thread % lanes);
+  for (unsigned distance = 1; distance < lanes; distance *= 2) s.add(exchanged(s, distance));
+  if (exists && thread % lanes == 0) sum.take(i, s);
+}
+// Adds the tallies of a block up; thread 0 then has the sum.
+template <class Tally>
+__device__ void add_up(Tally& own, Tally* shared) {
+  shared[threadIdx.x] = own;
+  for (unsigned half = blockDim.x / 2; half > 0; half /= 2) {
+    __syncthreads();
+    if (threadIdx.x < half) shared[threadIdx.x].add(shared[threadIdx.x + half]);
+  }
+  if (threadIdx.x == 0) own = shared[0];
+}
+
+// Sums of bodies: those of few bodies are added up in the memory of a block first.
+struct DeviceBodySums {
+  particles::SplitSum* shared;
+  std::uint32_t in_shared;  // bodies
+  std::int64_t* global;     // 6 per body
+
+  __device__ void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
+    for (int k = 0; k < 6; ++k) {
+      const std::int64_t amount = k < 3 ? particles::to_fixed(acceleration[k], q.acceleration)
+                                        : particles::to_fixed(torque[k - 3], q.torque);
+      if (body < in_shared)
+        shared[body * 6 + static_cast<unsigned>(k)].add(amount);
+      else
+        particles::add_global(global + std::size_t{body} * 6 + k, static_cast<unsigned long long>(amount));
+    }
+  }
+};
+
+inline constexpr unsigned reduce_threads = 128, most_reduce_blocks = 528;
+inline constexpr std::uint32_t most_shared_bodies = 32;
+
+template <class Tally, class F>
+__global__ void __launch_bounds__(reduce_threads) reduce_kernel(std::uint32_t n, F f, Tally* of_block) {
+  __shared__ alignas(Tally) unsigned char space[reduce_threads * sizeof(Tally)];
+  Tally own;
+  for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x) f(i, own);
+  add_up(own, reinterpret_cast<Tally*>(space));
+  if (threadIdx.x == 0) of_block[blockIdx.x] = own;
+}
+template <class Tally, class F>
+__global__ void __launch_bounds__(reduce_threads)
+    reduce_with_bodies_kernel(std::uint32_t n, F f, Tally* of_block, std::uint32_t bodies, std::int64_t* of_body) {
+  __shared__ alignas(Tally) unsigned char space[reduce_threads * sizeof(Tally)];
+  __shared__ particles::SplitSum shared[most_shared_bodies * 6];
+  const std::uint32_t in_shared = bodies < most_shared_bodies ? bodies : most_shared_bodies;
+  for (unsigned k = threadIdx.x; k < in_shared * 6; k += blockDim.x) shared[k] = {0, 0};
+  __syncthreads();
+  Tally own;
+  DeviceBodySums sums{shared, in_shared, of_body};
+  for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x)
+    f(i, own, sums);
+  add_up(own, reinterpret_cast<Tally*>(space));
+  if (threadIdx.x == 0) of_block[blockIdx.x] = own;
+  for (unsigned k = threadIdx.x; k < in_shared * 6; k += blockDim.x)
+    particles::add_global(of_body + k, shared[k].value());
+}
+template <class Tally>
+__global__ void __launch_bounds__(reduce_threads) join_kernel(unsigned blocks, Tally* of_block) {
+  __shared__ alignas(Tally) unsigned char space[reduce_threads * sizeof(Tally)];
+  Tally own;
+  for (unsigned k = threadIdx.x; k < blocks; k += blockDim.x) own.add(of_block[k]);
+  add_up(own, reinterpret_cast<Tally*>(space));
+  if (threadIdx.x == 0) of_block[0] = own;
+}
+
+class CudaExec : public particles::DeviceExec {
+ public:
+  explicit CudaExec(unsigned) {}
+
+  template <class Entry, class Find>
+  void build_list(std::uint32_t n, Find find, List<CudaExec, Entry>& list) {
+    grow(list.start, std::size_t{n} + 1);
+    zero(list.start, std::size_t{n} + 1);
+    for_each(n, CountEntries<Entry, Find>{find, list.start.data()});
+    list.total = checked_total(reduce<EntryTotal>(n, AddCount{list.start.data()}).entries);
+    exclusive_sum(list.start, n + 1);
+    if (list.entry.size() < list.total) list.entry.resize(list.total + list.total / 8);
+    for_each(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
+  }
+
+  template <class Sum>
+  void sum_over_lanes(std::uint32_t n, Sum sum) {
+    if (n == 0) return;
+    const unsigned threads = block(particles::block_threads);
+    sum_over_lanes_kernel<<<blocks(n * lanes, threads), threads, 0, stream_>>>(n, sum);
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+
+  template <class Tally, class F>
+  Tally reduce(std::uint32_t n, F f) {
+    Tally* const of_block = tallies<Tally>();
+    reduce_kernel<<<reduce_blocks(n), reduce_threads, 0, stream_>>>(n, f, of_block);
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
+    return joined(n, of_block);
+  }
+  template <class Tally, class F>
+  Tally reduce(std::uint32_t n, F f, std::vector<BodySum>& of_bodies) {
+    static_assert(sizeof(BodySum) == 6 * sizeof(std::int64_t));
+    Tally* const of_block = tallies<Tally>();
+    grow(of_body_, std::max<std::size_t>(1, of_bodies.size()) * 6);
+    zero(of_body_, of_bodies.size() * 6);
+    reduce_with_bodies_kernel<<<reduce_blocks(n), reduce_threads, 0, stream_>>>(
+        n, f, of_block, static_cast<std::uint32_t>(of_bodies.size()), of_body_.data());
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
+    join(n, of_block);
+    Tally sum;
+    download(tallies_, std::as_writable_bytes(std::span(&sum, 1)), of_body_,
+             std::span(reinterpret_cast<std::int64_t*>(of_bodies.data()), of_bodies.size() * 6));
+    return sum;
+  }
+
+ private:
+  static unsigned reduce_blocks(std::uint32_t n) {
+    return std::min(most_reduce_blocks, blocks(n, reduce_threads));
+  }
+  template <class Tally>
+  Tally* tallies() {
+    static_assert(alignof(Tally) <= 16);
+    grow(tallies_, most_reduce_blocks * sizeof(Tally));
+    return reinterpret_cast<Tally*>(tallies_.data());
+  }
+  template <class Tally>
+  void join(std::uint32_t n, Tally* of_block) {
+    join_kernel<<<1, reduce_threads, 0, stream_>>>(reduce_blocks(n), of_block);
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+  template <class Tally>
+  Tally joined(std::uint32_t n, Tally* of_block) {
+    join(n, of_block);
+    Tally sum;
+    download(tallies_, std::as_writable_bytes(std::span(&sum, 1)));
+    return sum;
+  }
+
+  Buffer<std::byte> tallies_;       // of the blocks of a kernel
+  Buffer<std::int64_t> of_body_;
+};
+
+}  // namespace tandem::sph

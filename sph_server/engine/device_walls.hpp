@@ -1,0 +1,46 @@
+// The walls of bodies in the memory of a back end.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sph_server/neighbours/walls.hpp"
+
+namespace tandem::sph {
+
+template <class Exec>
+class DeviceWalls {
+ public:
+  DeviceWalls(Exec& exec, const Walls& walls) : bodies_(walls.bodies()) {
+    upload(exec, walls.facets(), facet_);
+    upload(exec, walls.grids(), grid_);
+    upload(exec, walls.cell_start(), cell_start_);
+    upload(exec, walls.cell_facet(), cell_facet_);
+    upload(exec, walls.slip(), slip_);
+    upload(exec, walls.beyond(), beyond_);
+    place(exec, walls.poses());
+  }
+  void place(Exec& exec, const std::vector<particles::BodyPose>& poses) { upload(exec, poses, pose_); }
+
+  WallsView view() const {
+    return {facet_.data(), grid_.data(), cell_start_.data(), cell_facet_.data(),
+            pose_.data(),  slip_.data(), beyond_.data(),     bodies_};
+  }
+
+ private:
+  template <class T>
+  using Buffer = typename Exec::template Buffer<T>;
+  template <class T>
+  static void upload(Exec& exec, const std::vector<T>& from, Buffer<T>& to) {
+    if (!from.empty()) exec.upload(to, std::span(from));
+  }
+
+  Buffer<particles::Facet> facet_;
+  Buffer<particles::FacetGrid> grid_;
+  Buffer<std::uint32_t> cell_start_, cell_facet_;
+  Buffer<std::uint8_t> slip_, beyond_;
+  Buffer<particles::BodyPose> pose_;
+  std::uint32_t bodies_ = 0;
+};
+
+}  // namespace tandem::sph

@@ -1,0 +1,66 @@
+// What particles see of the walls near them, before the sums over walls.
+#pragma once
+
+#include <cstdint>
+
+#include "particles/state/centre.hpp"
+#include "sph_server/kernel/seen_integrals.hpp"
+#include "sph_server/kernel/wall_kernel.hpp"
+#include "sph_server/step/arrays.hpp"
+
+namespace tandem::sph {
+
+// Names the particle of each entry of the list of facets.
+struct NameParticles {
+  ListView<std::uint32_t> facets;
+  std::uint32_t* particle = nullptr;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    for (std::uint32_t n = facets.start[i]; n < facets.start[i + 1]; ++n) particle[n] = i;
+  }
+};
+
+// The facets near particle i, in world axes. One more than `most` means that there are too many.
+template <class Real>
+struct PlaceFacets {
+  LiquidArrays<Real> liquid;
+  WallArrays arrays;
+  WallsView walls;
+  particles::CentreUnit<Real> centres;
+  double support = 0;  // [m]
+
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    const std::uint32_t begin = arrays.facets.start[i], end = arrays.facets.start[i + 1];
+    std::uint32_t count = 0;
+    if (begin < end) {
+      const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+      for (std::uint32_t n = begin; n < end && count <= FacetsOfParticle::most; ++n) {
+        const std::uint32_t number = arrays.facets.entry[n];
+        const particles::Facet& f = walls.facet[number];
+        if (!is_far(f, walls.into_body(f.body, x), support)) arrays.near[begin + count++] = walls.in_world(number);
+      }
+    }
+    arrays.near_count[i] = count;
+  }
+};
+
+// One facet as one particle sees it.
+template <class Real>
+struct SeeFacets {
+  LiquidArrays<Real> liquid;
+  WallArrays arrays;
+  particles::CentreUnit<Real> centres;
+  WallKernel kernel;
+
+  TANDEM_HD void operator()(std::uint32_t entry) const {
+    const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
+                        count = arrays.near_count[i], k = entry - begin;
+    if (k >= count || count > FacetsOfParticle::most) return;
+    const FacetsOfParticle near{arrays.near + begin, static_cast<int>(count)};
+    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    bool overflow = false;
+    arrays.seen[entry].integrals = seen_integrals(x, near, static_cast<int>(k), kernel, overflow);
+    arrays.seen[entry].whole = !overflow;
+  }
+};
+
+}  // namespace tandem::sph
