@@ -6,6 +6,7 @@
 
 #include "dem_server/laws/history.hpp"
 #include "dem_server/particles.hpp"
+#include "particles/base/range.hpp"
 #include "particles/geometry/periods.hpp"
 #include "particles/state/particles.hpp"
 

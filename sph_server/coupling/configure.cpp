@@ -130,8 +130,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   log::info(
       "{} particles of '{}' on {} ({}), spacing {:.4g} m, speed of sound {:.4g} m/s, step {:.4g} s: {} in a "
       "window",
-      id_.size(), liquid.name, *facts.backend, *facts.device, properties_.spacing, properties_.sound_speed, step_at_rest(),
-      *facts.steps_per_window);
+      id_.size(), liquid.name, *facts.backend, *facts.device, properties_.spacing, properties_.sound_speed,
+      step_at_rest(), *facts.steps_per_window);
   for (const std::string& what : left_out) log::info("left out: {}", what);
   std::vector<double> measured;
   if (sensors_.any()) measured = sensors_.measure(engine_->state(), start.poses, 0, seen_);

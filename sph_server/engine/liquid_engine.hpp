@@ -115,7 +115,8 @@ class LiquidEngine {
   // One copy of the whole state in memory. restore() may be called more than once per save().
   virtual void save() = 0;
   virtual void restore() = 0;
-  // The same as named arrays. An engine of the same setup that has read them continues with the same bits.
+  // The same as named arrays. An engine of the same setup, whose state has been set, continues with the same
+  // bits once it has read them.
   // read: Error{resource} where an array has another size than that of so many particles.
   using Sink = std::function<void(const std::string& name, std::span<const std::byte> bytes)>;
   using Source = std::function<std::vector<std::byte>(const std::string& name)>;

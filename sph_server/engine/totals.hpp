@@ -70,8 +70,8 @@ struct Move {
 
   TANDEM_HD void operator()(std::uint32_t i, Farthest& farthest) const {
     advance(i);
-    const Vec3d x =
-        advance.centres.metres(advance.centres.joined(advance.liquid.position[i], advance.liquid.fine_part(i)));
+    const Vec3d x = advance.centres.metres(
+        advance.centres.joined(advance.liquid.position[i], advance.liquid.fine_part(i)));
     farthest.add({norm2(advance.periods.shortest(x - built_at[i]))});
   }
 };

@@ -36,7 +36,8 @@ struct PlaceFacets {
       for (std::uint32_t n = begin; n < end && count <= FacetsOfParticle::most; ++n) {
         const std::uint32_t number = arrays.facets.entry[n];
         const particles::Facet& f = walls.facet[number];
-        if (!is_far(f, walls.into_body(f.body, x), support)) arrays.near[begin + count++] = walls.in_world(number);
+        if (!is_far(f, walls.into_body(f.body, x), support))
+          arrays.near[begin + count++] = walls.in_world(number);
       }
     }
     arrays.near_count[i] = count;

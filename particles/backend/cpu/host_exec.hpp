@@ -97,7 +97,6 @@ class HostExec : public CpuTraits {
     return {part(thread), part(thread + 1)};
   }
 
-
   std::unique_ptr<ThreadPool> pool_;
 };
 

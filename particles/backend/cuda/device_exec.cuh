@@ -147,7 +147,6 @@ class DeviceExec : public CudaTraits {
     });
   }
 
-
  protected:
   unsigned block(unsigned usual) const { return std::min(usual, most_block_threads_); }
   static unsigned blocks(std::uint32_t threads, unsigned per_block) {

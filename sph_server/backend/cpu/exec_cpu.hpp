@@ -1,5 +1,6 @@
-// The CPU back end of a liquid: loops and sums on the threads of a team. sph_server/engine/liquid_engine_of.hpp
-// is written against its members, which backend/cuda/exec_cuda.cuh has as well.
+// The CPU back end of a liquid: loops and sums on the threads of a team.
+// sph_server/engine/liquid_engine_of.hpp is written against its members, which backend/cuda/exec_cuda.cuh has
+// as well.
 #pragma once
 
 #include <algorithm>

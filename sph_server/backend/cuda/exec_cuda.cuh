@@ -110,7 +110,8 @@ __global__ void __launch_bounds__(reduce_threads) reduce_kernel(std::uint32_t n,
 }
 template <class Tally, class F>
 __global__ void __launch_bounds__(reduce_threads)
-    reduce_with_bodies_kernel(std::uint32_t n, F f, Tally* of_block, std::uint32_t bodies, std::int64_t* of_body) {
+    reduce_with_bodies_kernel(std::uint32_t n, F f, Tally* of_block, std::uint32_t bodies,
+                              std::int64_t* of_body) {
   __shared__ alignas(Tally) unsigned char space[reduce_threads * sizeof(Tally)];
   __shared__ particles::SplitSum shared[most_shared_bodies * 6];
   const std::uint32_t in_shared = bodies < most_shared_bodies ? bodies : most_shared_bodies;
@@ -203,7 +204,7 @@ class CudaExec : public particles::DeviceExec {
     return sum;
   }
 
-  Buffer<std::byte> tallies_;       // of the blocks of a kernel
+  Buffer<std::byte> tallies_;  // of the blocks of a kernel
   Buffer<std::int64_t> of_body_;
 };
 

@@ -10,6 +10,7 @@
 #include "sph_server/engine/fill_region.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 #include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
@@ -37,7 +38,7 @@ std::vector<double> front(int across) {
   setup.periods.length = {0, breadth, 0};
   const TriangleMesh region =
       transformed(box_mesh({wide, breadth, 2 * wide}), Pose{{wide / 2, breadth / 2, wide}, {}});
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   // At the start a gate still holds the column.
   LiquidSetup gated = setup;
   TriangleMesh gate;

@@ -13,6 +13,7 @@
 #include "sph_server/engine/probe.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 #include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
@@ -72,7 +73,7 @@ Record run(int high) {
   gate.triangles = {{0, 1, 2}, {0, 2, 3}};
   gated.walls.push_back(gate);
   const std::vector<particles::BodyPose> poses(4, particles::BodyPose{{}, Mat3d::identity(), {}, {}});
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   engine->set_state(fill_region(gated, poses, region, {H, {}}));
   const Walls walls(setup.walls, l.support());
   const double unit = std::sqrt(H / g);

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace periodic_flow_test {
@@ -61,7 +61,7 @@ Vec3d momentum(const LiquidState& s, double mass) {
 void decay_of_vortices(bool single) {
   Vortices flow(20);
   flow.setup.liquid.shifting = 5;
-  const auto engine = make_liquid_engine(flow.setup, single);
+  const auto engine = make_engine(flow.setup, single);
   engine->set_state(flow.start);
   const double mass = flow.setup.liquid.mass(),
                dt = step_limits(flow.setup.liquid, Vortices::speed, 0).smallest;
@@ -99,7 +99,7 @@ TEST(ShearWave, DecaysByViscosityAlone) {
     flow.start.velocity[i] = {std::sin(k * flow.start.position[i].y), 0, 0};
     flow.start.compression[i] = 0;
   }
-  const auto engine = make_liquid_engine(flow.setup, true);
+  const auto engine = make_engine(flow.setup, true);
   engine->set_state(flow.start);
   const double dt = step_limits(flow.setup.liquid, Vortices::speed, 0).smallest;
   const EnergyBalance begin = engine->energies();
@@ -118,7 +118,7 @@ TEST(Vortices, HaveTheSameBitsForEveryNumberOfThreads) {
     for (const unsigned threads : {1u, 2u, 3u}) {
       Vortices flow(12);
       flow.setup.threads = threads;
-      const auto engine = make_liquid_engine(flow.setup, single);
+      const auto engine = make_engine(flow.setup, single);
       engine->set_state(flow.start);
       for (int k = 0; k < 60; ++k) engine->step(step_limits(flow.setup.liquid, Vortices::speed, 0).smallest);
       ends.push_back(engine->state());

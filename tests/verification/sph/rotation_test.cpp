@@ -11,6 +11,7 @@
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace rotation_test {
@@ -44,7 +45,7 @@ TEST(Bucket, ThatTurnsHasAParabolicSurface) {
       transformed(cylinder_mesh(radius, height, segments), Pose{{0, 0, height / 2}, {}});
   LiquidState start = fill_region(setup, {turned(0, 0)}, region, {depth, {}});
   for (std::size_t i = 0; i < start.size(); ++i) start.velocity[i] = cross({0, 0, w}, start.position[i]);
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   engine->set_state(start, {turned(0, w)});
   const double limit = step_limits(l, 2 * w * radius, 0).smallest;
   const int steps = static_cast<int>(std::ceil(end / limit));
@@ -116,7 +117,7 @@ struct Annulus {
 std::pair<double, double> torques(int across, double end) {
   Annulus a(across);
   const double w = 1;
-  const auto engine = make_liquid_engine(a.setup, true);
+  const auto engine = make_engine(a.setup, true);
   engine->set_state(a.start, {turned(0, w), turned(0, 0)});
   const double limit = step_limits(a.setup.liquid, 1.2 * a.inner, 0).smallest;
   const int steps = static_cast<int>(std::ceil(end / limit));

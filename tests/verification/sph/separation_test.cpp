@@ -9,9 +9,9 @@
 
 #include "common/geometry/triangle_mesh.hpp"
 #include "particles/io/random.hpp"
-#include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace separation_test {
@@ -69,7 +69,7 @@ Left leave(const Leaving& c, std::uint64_t seed) {
         start.velocity.push_back(l.sound_speed * (turn * c.velocity));
         start.compression.push_back(0);
       }
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   engine->set_state(start);
   const double speed = l.sound_speed * norm(c.velocity);
   Left left;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace sheet_test {
@@ -50,7 +50,7 @@ TEST(Sheet, StopsALiquidAtATenthOfTheSpeedOfSound) {
   const Jet jet;
   const double a = Jet::size, speed = Jet::speed;
   const LiquidState& start = jet.start;
-  const auto engine = make_liquid_engine(jet.setup, true);
+  const auto engine = make_engine(jet.setup, true);
   engine->set_state(start);
   const EnergyBalance begin = engine->energies();
   const double dt = jet.step(), mass = jet.setup.liquid.mass();
@@ -95,7 +95,7 @@ TEST(Sheet, GetsTheSameBitsFromEveryNumberOfThreads) {
     for (const unsigned threads : {1u, 2u, 3u}) {
       Jet jet;
       jet.setup.threads = threads;
-      const auto engine = make_liquid_engine(jet.setup, single);
+      const auto engine = make_engine(jet.setup, single);
       engine->set_state(jet.start);
       for (int k = 0; k < 60; ++k) engine->step(jet.step());
       EXPECT_GT(norm(engine->loads()[0].force), 0) << "the liquid must have come to the sheet";
@@ -110,7 +110,7 @@ TEST(Sheet, GetsTheSameBitsFromEveryNumberOfThreads) {
 
 TEST(Liquid, RefusesAStepThatIsTooLong) {
   const Jet jet;
-  const auto engine = make_liquid_engine(jet.setup, true);
+  const auto engine = make_engine(jet.setup, true);
   engine->set_state(jet.start);
   const double longest = step_limits(jet.setup.liquid, Jet::speed, 0).smallest;
   EXPECT_EQ(error_of([&] { engine->step(1.01 * longest); }),
@@ -150,7 +150,7 @@ TEST(Sheet, KeepsTwoLevelsApart) {
         start.velocity.push_back({});
         start.compression.push_back(std::pow(1 + 7 * g * above / c2, 1.0 / 7) - 1);
       }
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   engine->set_state(start);
   const double weight = static_cast<double>(start.size()) * l.mass() * g, potential = weight * depth / 3;
   const double dt = step_limits(l, 0.1 * l.sound_speed, 0).smallest;

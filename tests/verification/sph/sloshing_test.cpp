@@ -13,6 +13,7 @@
 #include "sph_server/engine/probe.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 #include "tests/verification/sph/measured.hpp"
 
 namespace tandem::test {
@@ -72,7 +73,7 @@ std::vector<double> run(int deep, const Roll& roll) {
   // The start of the record is at rest up to its noise.
   LiquidSetup level = setup;
   const std::vector<particles::BodyPose> rest{{{}, Mat3d::identity(), {}, {}}};
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   engine->set_state(fill_region(level, rest, region, {depth, {}}), rest);
   Walls walls(setup.walls, l.support());
   std::vector<double> record;

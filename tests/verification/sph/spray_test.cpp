@@ -9,10 +9,10 @@
 
 #include "common/geometry/mass_properties.hpp"
 #include "particles/io/random.hpp"
-#include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/neighbours/walls.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace spray_test {
@@ -56,7 +56,7 @@ TEST(Spray, OfAJetThroughAHoleStaysInTheVessel) {
   setup.walls = {transformed(box_mesh({width, width, top - bottom}), Pose{{0, 0, 0.5 * (top + bottom)}, {}}),
                  holed_plate(width, 3 * a)};
   setup.domain = {{-width, -width, bottom - a}, {width, width, top + a}};
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   LiquidState start;
   for (int k = 0; k < wide * wide * high; ++k) {
     start.position.push_back(
@@ -168,7 +168,7 @@ Passes spray(std::uint64_t seed) {
     start.velocity.push_back(v + cross(w, x) + fastest * random.uniform(0.3, 1) * direction(random));
     start.compression.push_back(0);
   }
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   engine->set_state(start, {pose(0)});
   const EnergyBalance begin = engine->energies();
   double top = 0;
@@ -210,7 +210,7 @@ AtEdge fly_at_edge(double offset, Vec3d velocity, double compression) {
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
   setup.walls = {sheet};
   setup.domain = {{-1, -1, -1}, {1, 1, 1}};
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   LiquidState start;
   start.position = {{2 * a, 0, offset * a}};
   if (velocity.x == 0) start.position[0] = {-4 * a, 0, offset * a};

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace still_column_test {
@@ -54,7 +54,7 @@ void weigh(double drift, double end) {
         start.compression.push_back(std::pow(1 + 7 * g * above / (l.sound_speed * l.sound_speed), 1.0 / 7) -
                                     1);
       }
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   auto poses = engine->poses();
   for (auto& pose : poses) pose.v = {drift, 0, 0};
   engine->set_state(start, poses);

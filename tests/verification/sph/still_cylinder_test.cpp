@@ -9,6 +9,7 @@
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace still_cylinder_test {
@@ -29,7 +30,7 @@ void rest_in_cylinder(double radius, double depth, int segments, double end, dou
   setup.walls = {transformed(cylinder_mesh(radius, 2 * depth, segments, {"+z"}), centre)};
   setup.domain = {{-0.5, -0.5, -0.1}, {0.5, 0.5, 2 * depth}};
   const TriangleMesh region = transformed(cylinder_mesh(radius, 2 * depth, segments), centre);
-  const auto engine = make_liquid_engine(setup, true);
+  const auto engine = make_engine(setup, true);
   const LiquidState start = fill_region(setup, engine->poses(), region, {depth, {}});
   engine->set_state(start);
   const double weight = static_cast<double>(start.size()) * l.mass() * g, potential = weight * depth / 2;

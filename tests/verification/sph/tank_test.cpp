@@ -13,6 +13,7 @@
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace tank_test {
@@ -73,7 +74,7 @@ TEST(Tank, ThatIsAcceleratedHasAnInclinedSurface) {
   Slice tank(0.6, 0.3, 0.05, position(end).first);
   Liquid& l = tank.setup.liquid;
   l.artificial = 0.3;
-  const auto engine = make_liquid_engine(tank.setup, true);
+  const auto engine = make_engine(tank.setup, true);
   engine->set_state(tank.start);
   auto poses = engine->poses();
   const int steps = static_cast<int>(std::ceil(end / tank.step()));
@@ -114,7 +115,7 @@ double frequency(int along) {
     tank.start.velocity[i] = {u * std::cosh(k * x.z) * std::sin(k * x.x), 0,
                               -u * std::sinh(k * x.z) * std::cos(k * x.x)};
   }
-  const auto engine = make_liquid_engine(tank.setup, true);
+  const auto engine = make_engine(tank.setup, true);
   engine->set_state(tank.start);
   const double dt = tank.step();
   std::vector<double> zeros;

@@ -10,6 +10,7 @@
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace trough_test {
@@ -46,7 +47,7 @@ struct Trough {
 
 TEST(Trough, HoldsALiquidAtRest) {
   const Trough trough;
-  const auto engine = make_liquid_engine(trough.setup, true);
+  const auto engine = make_engine(trough.setup, true);
   engine->set_state(trough.start);
   const Liquid& l = trough.setup.liquid;
   const double weight = static_cast<double>(trough.start.size()) * l.mass() * g,

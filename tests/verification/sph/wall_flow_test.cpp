@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <numbers>
 
-#include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
+#include "tests/verification/sph/make_engine.hpp"
 
 namespace tandem::test {
 namespace wall_flow_test {
@@ -61,7 +61,7 @@ template <class Expected>
 Outcome run(int across, double end, Vec3d drive, double top_speed, Expected expected) {
   Channel channel(across);
   channel.setup.liquid.gravity = drive;
-  const auto engine = make_liquid_engine(channel.setup, true);
+  const auto engine = make_engine(channel.setup, true);
   auto poses = engine->poses();
   poses[1].v = {top_speed, 0, 0};
   engine->set_state(channel.start, poses);

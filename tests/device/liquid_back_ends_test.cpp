@@ -1,0 +1,210 @@
+// A liquid on a CUDA device and on the CPU. launch/test_device runs these tests.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sph_server/engine/liquid_engine.hpp"
+#include "sph_server/equations/state.hpp"
+#include "sph_server/equations/time_step.hpp"
+
+namespace tandem::test {
+namespace liquid_back_ends_test {
+
+using namespace sph;
+using particles::Backend;
+constexpr double g = 9.81;  // [m/s2]
+
+// Everything that an engine needs to go on.
+using Arrays = std::map<std::string, std::vector<std::byte>>;
+Arrays arrays_of(const LiquidEngine& engine) {
+  Arrays arrays;
+  engine.write([&](const std::string& name, std::span<const std::byte> bytes) {
+    arrays[name].assign(bytes.begin(), bytes.end());
+  });
+  return arrays;
+}
+void expect_equal(const LiquidEngine& a, const LiquidEngine& b) {
+  const Arrays of_a = arrays_of(a), of_b = arrays_of(b);
+  ASSERT_EQ(of_a.size(), of_b.size());
+  // The elements of one array have bytes without a value.
+  for (const auto& [name, bytes] : of_a)
+    if (name != "velocity") EXPECT_TRUE(of_b.at(name) == bytes) << name;
+  EXPECT_EQ(a.state().velocity, b.state().velocity);
+}
+
+struct Case {
+  LiquidSetup setup;
+  LiquidState start;
+
+  void add(Vec3d x, Vec3d v, double pressure) {
+    const Liquid& l = setup.liquid;
+    start.position.push_back(x);
+    start.velocity.push_back(v);
+    start.compression.push_back(compression_at(pressure / (l.density * l.sound_speed * l.sound_speed)));
+  }
+  std::unique_ptr<LiquidEngine> engine(Backend backend, bool single = true) const {
+    LiquidSetup on = setup;
+    on.backend = backend;
+    return make_liquid_engine(on, single);
+  }
+};
+
+// A viscous liquid in a periodic box, with random velocities.
+Case without_walls() {
+  Case c;
+  Liquid& l = c.setup.liquid;
+  l.density = 1;
+  l.viscosity = 0.01;
+  l.spacing = 0.05;
+  l.sound_speed = 10;
+  l.artificial = 0.05;
+  l.shifting = 5;
+  c.setup.domain = {{0, 0, 0}, {1, 1, 0.5}};
+  c.setup.periods.length = c.setup.domain.max;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int k = 0; k < 10; ++k)
+    for (int j = 0; j < 20; ++j)
+      for (int i = 0; i < 20; ++i)
+        c.add(0.05 * Vec3d{i + 0.5 + 0.2 * any(random), j + 0.5 + 0.2 * any(random), k + 0.5},
+              {any(random), any(random), any(random)}, 0.5);
+  return c;
+}
+
+// A tank of water with a sheet without thickness that turns in it.
+struct Tank : Case {
+  static constexpr double edge = 0.2;  // [m]
+  Tank() {
+    Liquid& l = setup.liquid;
+    l.spacing = edge / 10;
+    l.gravity = {0, 0, -g};
+    l.sound_speed = suggested_sound_speed(0.5, g, edge);
+    l.artificial = 0.1;
+    setup.walls.push_back(transformed(box_mesh({2 * edge, edge, 2 * edge}, {"+z"}), Pose{{0, 0, edge}, {}}));
+    TriangleMesh sheet;
+    sheet.vertices = {{0, -0.3 * edge, -0.3 * edge},
+                      {0, 0.3 * edge, -0.3 * edge},
+                      {0, 0.3 * edge, 0.3 * edge},
+                      {0, -0.3 * edge, 0.3 * edge}};
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+    setup.walls.push_back(sheet);
+    setup.domain = {{-edge - l.spacing, -edge, -l.spacing}, {edge + l.spacing, edge, 2 * edge}};
+    for (int k = 0; k < 10; ++k)
+      for (int j = 0; j < 10; ++j)
+        for (int i = 0; i < 20; ++i)
+          add({(i - 9.5) * l.spacing, (j - 4.5) * l.spacing, (k + 0.5) * l.spacing}, {},
+              l.density * g * (9.5 - k) * l.spacing);
+  }
+  std::vector<particles::BodyPose> poses(double t) const {
+    constexpr double rate = 1;  // about z [rad/s]
+    const Quat q = exp(Vec3d{0, 0, rate * t});
+    return {{{}, Mat3d::identity(), {}, {}}, {{0, 0, 0.5 * edge}, q.matrix(), {}, {0, 0, rate}}};
+  }
+  double dt() const { return 0.5 * step_limits(setup.liquid, 1, g).smallest; }
+  void advance(LiquidEngine& engine, int from, int steps) const {
+    for (int k = from; k < from + steps; ++k) engine.step(dt(), poses((k + 1) * dt()));
+  }
+};
+
+TEST(LiquidBackEnds, GiveTheSameBitsWithoutWalls) {
+  const Case c = without_walls();
+  for (const bool single : {true, false}) {
+    const auto cpu = c.engine(Backend::cpu, single), cuda = c.engine(Backend::cuda, single);
+    for (LiquidEngine* engine : {cpu.get(), cuda.get()}) {
+      engine->set_state(c.start);
+      for (int k = 0; k < 60; ++k) engine->step(2e-4);
+    }
+    EXPECT_GT(cuda->figures().rebuilds, 2u);
+    expect_equal(*cpu, *cuda);
+    EXPECT_EQ(cpu->energies().kinetic, cuda->energies().kinetic);
+    EXPECT_EQ(cpu->volume(), cuda->volume());
+  }
+}
+
+// Functions such as the arc tangent, of which walls need some, come from other libraries on a device.
+TEST(LiquidBackEnds, AgreeBesideWalls) {
+  const Tank tank;
+  const auto cpu = tank.engine(Backend::cpu), cuda = tank.engine(Backend::cuda);
+  double load = 0, difference = 0;
+  for (LiquidEngine* engine : {cpu.get(), cuda.get()}) engine->set_state(tank.start, tank.poses(0));
+  for (int k = 0; k < 40; ++k) {
+    tank.advance(*cpu, k, 1);
+    tank.advance(*cuda, k, 1);
+    for (std::size_t b = 0; b < 2; ++b) {
+      load = std::max(load, norm(cpu->loads()[b].force));
+      difference = std::max(difference, norm(cpu->loads()[b].force - cuda->loads()[b].force));
+    }
+  }
+  std::printf("  largest load %.4g N, difference between back ends %.2g N\n", load, difference);
+  EXPECT_LT(difference, 1e-6 * load);
+  EXPECT_EQ(cuda->figures().passed_walls, 0u);
+}
+
+TEST(LiquidOnCuda, RepeatsItsBits) {
+  const Tank tank;
+  const auto once = tank.engine(Backend::cuda), again = tank.engine(Backend::cuda);
+  setenv("TANDEM_CUDA_BLOCK", "32", 1);
+  const auto small_blocks = tank.engine(Backend::cuda);
+  unsetenv("TANDEM_CUDA_BLOCK");
+  for (LiquidEngine* engine : {once.get(), again.get(), small_blocks.get()}) {
+    engine->set_state(tank.start, tank.poses(0));
+    tank.advance(*engine, 0, 60);
+  }
+  expect_equal(*once, *again);
+  expect_equal(*once, *small_blocks);
+}
+
+TEST(LiquidOnCuda, GoesOnWithTheSameBits) {
+  const Tank tank;
+  const auto straight = tank.engine(Backend::cuda), back = tank.engine(Backend::cuda),
+             read = tank.engine(Backend::cuda);
+  for (LiquidEngine* engine : {straight.get(), back.get()}) {
+    engine->set_state(tank.start, tank.poses(0));
+    tank.advance(*engine, 0, 33);
+  }
+  back->save();
+  const Arrays at_33 = arrays_of(*straight);
+  tank.advance(*straight, 33, 40);
+  tank.advance(*back, 33, 17);
+  back->restore();
+  tank.advance(*back, 33, 40);
+  expect_equal(*straight, *back);
+  read->set_state(tank.start, tank.poses(0));
+  read->read(
+      [&](const std::string& name) {
+        const auto found = at_33.find(name);
+        return found == at_33.end() ? std::vector<std::byte>{} : found->second;
+      },
+      tank.start.size());
+  tank.advance(*read, 33, 40);
+  expect_equal(*straight, *read);
+}
+
+TEST(LiquidOnCuda, ExchangesParticlesAsTheCpuDoes) {
+  const Case c = without_walls();
+  const auto cpu = c.engine(Backend::cpu), cuda = c.engine(Backend::cuda);
+  LiquidState arriving;
+  arriving.position = {{0.512, 0.48, 0.26}, {0.1, 0.9, 0.4}};
+  arriving.velocity = {{1, 0, 0}, {0, 1, 0}};
+  arriving.compression = {0, 0.001};
+  const std::vector<std::uint32_t> leaving{0, 17, 2100, 3999};
+  for (LiquidEngine* engine : {cpu.get(), cuda.get()}) {
+    engine->set_state(c.start);
+    for (int k = 0; k < 10; ++k) engine->step(1e-4);
+    engine->exchange(leaving, arriving, engine->poses());
+    for (int k = 0; k < 10; ++k) engine->step(1e-4);
+  }
+  EXPECT_EQ(cuda->state().size(), c.start.size() - 2);
+  expect_equal(*cpu, *cuda);
+}
+
+}  // namespace liquid_back_ends_test
+}  // namespace tandem::test
