@@ -35,8 +35,10 @@ void expect_equal(const LiquidEngine& a, const LiquidEngine& b) {
   const Arrays of_a = arrays_of(a), of_b = arrays_of(b);
   ASSERT_EQ(of_a.size(), of_b.size());
   // The elements of one array have bytes without a value.
-  for (const auto& [name, bytes] : of_a)
-    if (name != "velocity") EXPECT_TRUE(of_b.at(name) == bytes) << name;
+  for (const auto& [name, bytes] : of_a) {
+    if (name == "velocity") continue;
+    EXPECT_TRUE(of_b.at(name) == bytes) << name;
+  }
   EXPECT_EQ(a.state().velocity, b.state().velocity);
 }
 
