@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "common/math/rotation.hpp"
+#include "particles/base/elementary.hpp"
 #include "sph_server/kernel/wall_kernel.hpp"
 
 namespace tandem::sph {
@@ -42,14 +43,14 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
                                               double t2) {
   EdgeIntegrals sum;
   const double tail = WallKernel::sum(kernel.tail, d), shadow = WallKernel::sum(kernel.shadow, d);
-  const double angle = std::atan2(e * (t2 - t1), e * e + t1 * t2);
+  const double angle = particles::angle_of(e * (t2 - t1), e * e + t1 * t2);
   const double nearest2 = d * d + e * e, reach2 = 1 - nearest2;
   double from = 0, to = 0, angle_within = 0;
   const double reach = reach2 > 0 ? std::sqrt(reach2) : 0;
   if (reach2 > 0) {
     from = std::fmin(std::fmax(t1, -reach), reach);
     to = std::fmin(std::fmax(t2, -reach), reach);
-    angle_within = std::atan2(e * (to - from), e * e + from * to);
+    angle_within = particles::angle_of(e * (to - from), e * e + from * to);
   }
   sum.surface = tail * angle;
   // At and beyond the support, s = 1.
@@ -62,7 +63,7 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
   const double s_from = std::sqrt(nearest2 + from * from), s_to = std::sqrt(nearest2 + to * to);
   double i[9], j[9];
   const double nearest = std::sqrt(nearest2);
-  i[0] = nearest > 0 ? std::asinh(to / nearest) - std::asinh(from / nearest) : 0;
+  i[0] = nearest > 0 ? particles::inverse_sinh(to / nearest) - particles::inverse_sinh(from / nearest) : 0;
   i[1] = to - from;
   double power_from = s_from, power_to = s_to;
   for (int k = 1; k <= 7; ++k) {
@@ -71,7 +72,7 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
     power_to *= s_to;
   }
   // d j[-1] is a difference of two angles.
-  const double seen = std::atan2(d * to, e * s_to) - std::atan2(d * from, e * s_from);
+  const double seen = particles::angle_of(d * to, e * s_to) - particles::angle_of(d * from, e * s_from);
   const double turn = 2 * std::numbers::pi;
   // An edge through the foot itself subtends no angle, unless the foot is between its ends.
   const double d_j = d == 0 || (e == 0 && from * to >= 0) ? 0 : seen - turn * std::nearbyint(seen / turn);
@@ -99,16 +100,16 @@ TANDEM_HD inline Vec3d side_integral(const WallKernel& kernel, Vec3d a, Vec3d b)
   const double distance = norm(foot);
   if (!(distance > 1e-9 && distance < 1)) return {};
   const Vec3d across = (1 / distance) * foot;
-  const double most = std::acos(distance);
-  const double from = std::fmax(std::atan2(dot(a, along), distance), -most),
-               to = std::fmin(std::atan2(dot(b, along), distance), most);
+  const double most = particles::angle_of(std::sqrt((1 - distance) * (1 + distance)), distance);
+  const double from = std::fmax(particles::angle_of(dot(a, along), distance), -most),
+               to = std::fmin(particles::angle_of(dot(b, along), distance), most);
   if (!(from < to)) return {};
   const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
   Vec3d sum;
   for (int k = 0; k < 6; ++k) {
-    const double angle = middle + (k < 3 ? -half : half) * node[k % 3], c = std::cos(angle);
-    const double s = std::fmin(distance / c, 1.0);
-    sum += (half * weight[k % 3] * kernel.tail_of_volume(s)) * (c * across + std::sin(angle) * along);
+    const particles::SineCosine at = particles::sine_cosine(middle + (k < 3 ? -half : half) * node[k % 3]);
+    const double s = std::fmin(distance / at.cosine, 1.0);
+    sum += (half * weight[k % 3] * kernel.tail_of_volume(s)) * (at.cosine * across + at.sine * along);
   }
   return sum;
 }

@@ -57,7 +57,8 @@ void run(const std::string& backend, int edge, int steps, bool single) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const sph::StepFigures figures = engine->figures();
   std::printf(
-      "%s %s: %zu particles, %.1f us per step, %.4g particle-steps/s, %llu new lists in %d steps, fastest %.3g "
+      "%s %s: %zu particles, %.1f us per step, %.4g particle-steps/s, %llu new lists in %d steps, fastest "
+      "%.3g "
       "m/s, %llu passed walls\n",
       backend.c_str(), single ? "mixed" : "double", start.size(), 1e6 * seconds / (steps - first),
       static_cast<double>(start.size()) * (steps - first) / seconds,
