@@ -10,7 +10,7 @@
 #include <span>
 
 #include "common/host_device.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/group.hpp"
 
 namespace tandem::dem {

@@ -2,7 +2,7 @@
 // the small difference of large numbers.
 #pragma once
 
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/arithmetic.hpp"
 #include "particles/state/particles.hpp"
 

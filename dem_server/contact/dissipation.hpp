@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "dem_server/laws/history.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/fixed_point.hpp"
 
 namespace tandem::dem {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "dem_server/laws/history.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/range.hpp"
 #include "particles/geometry/periods.hpp"
 #include "particles/state/particles.hpp"

@@ -6,7 +6,7 @@
 
 #include "common/scene/model.hpp"
 #include "dem_server/laws/coefficients.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/arithmetic.hpp"
 #include "particles/base/fixed_point.hpp"
 #include "particles/geometry/periods.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "dem_server/contact/view.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/fetch.hpp"
 #include "particles/geometry/touch_facet.hpp"
 

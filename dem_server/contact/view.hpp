@@ -9,7 +9,7 @@
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/contact/rebuild_arrays.hpp"
 #include "dem_server/contact/wall_sums.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/path.hpp"
 #include "particles/geometry/surface.hpp"
 #include "particles/state/sphere_arrays.hpp"

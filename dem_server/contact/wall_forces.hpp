@@ -4,7 +4,7 @@
 
 #include "dem_server/contact/pair_forces.hpp"
 #include "dem_server/contact/wall_curvature.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/facet_contact.hpp"
 
 namespace tandem::dem {

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "common/math/vec3.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/fixed_point.hpp"
 
 namespace tandem::dem {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/analytic_facets.hpp"
 #include "particles/geometry/facet_contact.hpp"
 #include "particles/geometry/periods.hpp"

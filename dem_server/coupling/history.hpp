@@ -6,7 +6,7 @@
 #include <string>
 
 #include "dem_server/engine/engine.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/path.hpp"
 #include "particles/geometry/surface.hpp"
 #include "protocol/messages.hpp"

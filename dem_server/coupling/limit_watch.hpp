@@ -9,7 +9,7 @@
 
 #include "common/scene/model.hpp"
 #include "dem_server/engine/engine.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/state/particles.hpp"
 
 namespace tandem::dem {

@@ -12,7 +12,7 @@
 #include "dem_server/coupling/sensors.hpp"
 #include "dem_server/coupling/traffic.hpp"
 #include "dem_server/engine/engine.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/serving/boundary.hpp"
 #include "protocol/participant/solver.hpp"
 

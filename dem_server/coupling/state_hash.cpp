@@ -1,6 +1,6 @@
 #include "dem_server/coupling/state_hash.hpp"
 
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/serving/state_digest.hpp"
 
 namespace tandem::dem {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/state/particles.hpp"
 
 namespace tandem::dem {

@@ -9,7 +9,7 @@
 
 #include "common/time.hpp"
 #include "dem_server/engine/engine.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/periods.hpp"
 #include "particles/io/inlets.hpp"
 #include "protocol/facts.hpp"

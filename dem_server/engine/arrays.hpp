@@ -11,7 +11,7 @@
 #include "dem_server/contact/view.hpp"
 #include "dem_server/engine/contact_tangent.hpp"
 #include "dem_server/engine/sphere_contacts.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/path.hpp"
 
 namespace tandem::dem {

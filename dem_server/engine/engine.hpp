@@ -12,7 +12,7 @@
 #include "common/error.hpp"
 #include "common/scene/model.hpp"
 #include "dem_server/engine/contact_tangent.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/backend.hpp"
 #include "particles/geometry/path.hpp"
 #include "particles/geometry/surface.hpp"

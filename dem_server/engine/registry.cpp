@@ -6,7 +6,7 @@
 #include "common/error.hpp"
 #include "dem_server/engine/engine_memory.hpp"
 #include "dem_server/laws/generic.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/count.hpp"
 #include "particles/geometry/analytic_facets.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dem_server/contact/wall_sums.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/surface.hpp"
 
 namespace tandem::dem {

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "common/math/vec3.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/arithmetic.hpp"
 
 namespace tandem::dem {

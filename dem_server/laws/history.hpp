@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "dem_server/laws/contact.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/base/arithmetic.hpp"
 
 namespace tandem::dem {

@@ -17,8 +17,8 @@
 #include <new>
 
 #include "dem_server/contact/view.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "dem_server/neighbours/search.hpp"
-#include "dem_server/particles.hpp"
 #include "particles/base/fetch.hpp"
 #include "particles/base/group.hpp"
 #include "particles/geometry/facet_contact.hpp"

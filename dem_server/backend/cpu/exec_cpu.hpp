@@ -12,7 +12,7 @@
 #include "dem_server/contact/close_pairs.hpp"
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/cpu/host_exec.hpp"
 #include "particles/base/fixed_point.hpp"
 #include "particles/base/group.hpp"

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "common/math/vec3.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/cuda/block_sum.cuh"
 #include "particles/base/fixed_point.hpp"
 #include "particles/state/window_progress.hpp"

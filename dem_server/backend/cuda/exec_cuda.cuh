@@ -27,7 +27,7 @@
 #include "dem_server/backend/cuda/fill_lists.cuh"
 #include "dem_server/backend/cuda/resident/resident.cuh"
 #include "dem_server/backend/cuda/streaming/step_kernels.cuh"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/cuda/device_exec.cuh"
 #include "particles/backend/cuda/warp_group.cuh"
 #include "particles/base/check_cuda.cuh"

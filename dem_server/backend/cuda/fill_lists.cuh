@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "dem_server/contact/view.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/cuda/warp_group.cuh"
 #include "particles/base/group.hpp"
 

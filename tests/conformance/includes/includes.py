@@ -34,7 +34,7 @@ LAYERS = {
                    "coupling", "main.cpp"],
     "particles": ["base", "geometry", "grid", "io", "state", "backend", "serving"],
     "dem_server": ["laws", "contact", "neighbours", "step", "backend", "engine", "coupling", "main.cpp"],
-    "sph_server": ["kernel", "equations", "neighbours", "step", "engine", "io", "coupling", "main.cpp"],
+    "sph_server": ["kernel", "equations", "neighbours", "step", "backend", "engine", "io", "coupling", "main.cpp"],
 }
 # What the participant kit uses of particles: the spheres of a scene at the start, and paths of bodies.
 KIT = ["base", "geometry", "io"]

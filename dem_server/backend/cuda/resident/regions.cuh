@@ -8,7 +8,7 @@
 
 #include "dem_server/contact/approach.hpp"
 #include "dem_server/contact/view.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/geometry/facet_contact.hpp"
 #include "particles/state/window_progress.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/traits.hpp"
 
 namespace tandem::dem {

@@ -13,7 +13,7 @@
 #include "dem_server/backend/cuda/streaming/warp_gather.cuh"
 #include "dem_server/contact/state_in_memory.hpp"
 #include "dem_server/contact/wall_forces.hpp"
-#include "dem_server/particles.hpp"
+#include "dem_server/laws/particle_names.hpp"
 #include "particles/state/window_progress.hpp"
 
 namespace tandem::dem {
