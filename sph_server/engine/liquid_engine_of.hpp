@@ -17,6 +17,7 @@
 #include "sph_server/engine/liquid_memory.hpp"
 #include "sph_server/engine/totals.hpp"
 #include "sph_server/equations/time_step.hpp"
+#include "sph_server/step/edge_sums.hpp"
 #include "sph_server/step/see_facets.hpp"
 #include "sph_server/step/sum_rates.hpp"
 
@@ -53,10 +54,13 @@ class LiquidEngineOf final : public LiquidEngine {
     rates_.walls.repulsion = WallRepulsion::of(setup.liquid);
     rates_.walls.kernel = see_.kernel;
     rates_.walls.mass = setup.liquid.mass();
-    rates_.walls.spacing = setup.liquid.spacing;
+    edges_.kernel = see_.kernel;
+    edges_.wall = rates_.walls.wall;
+    edges_.mass = setup.liquid.mass();
+    edges_.spacing = setup.liquid.spacing;
     advance_.periods = setup_.periods;
     advance_.properties = setup.liquid;
-    place_.centres = see_.centres = rates_.walls.centres = advance_.centres = centres_;
+    place_.centres = see_.centres = rates_.walls.centres = edges_.centres = advance_.centres = centres_;
   }
 
   void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) override {
@@ -321,11 +325,12 @@ class LiquidEngineOf final : public LiquidEngine {
   void use_arrays() {
     liquid_ = memory_.view(count_);
     liquid_.neighbours = neighbours_.view();
-    arrays_ = {facets_.view(), particle_.data(), near_count_.data(), near_.data(), seen_.data()};
-    pairs_.liquid = place_.liquid = see_.liquid = rates_.liquid = rates_.walls.liquid = advance_.liquid =
-        liquid_;
-    place_.arrays = see_.arrays = rates_.walls.arrays = arrays_;
-    place_.walls = rates_.walls.walls = device_walls_.view();
+    arrays_ = {facets_.view(), particle_.data(), near_count_.data(),
+               near_.data(),   seen_.data(),     by_pressure_.data()};
+    pairs_.liquid = place_.liquid = see_.liquid = rates_.liquid = rates_.walls.liquid = edges_.liquid =
+        advance_.liquid = liquid_;
+    place_.arrays = see_.arrays = rates_.walls.arrays = edges_.arrays = arrays_;
+    place_.walls = rates_.walls.walls = edges_.walls = device_walls_.view();
     pairs_.result = sums_.data();
     rates_.pairs = sums_.data();
   }
@@ -340,7 +345,7 @@ class LiquidEngineOf final : public LiquidEngine {
     quanta_.power = particles::Quantum::for_range(many * l.mass() * acceleration * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
     quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
-    pairs_.quanta = rates_.quanta = rates_.walls.quanta = quanta_;
+    pairs_.quanta = rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
   }
 
   void rebuild() {
@@ -386,6 +391,7 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.grow(particle_, facets_.total);
     exec_.grow(near_, facets_.total);
     exec_.grow(seen_, facets_.total);
+    if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
     if (facets_.total > 0) exec_.for_each(count(), NameParticles{facets_.view(), particle_.data()});
     use_arrays();
   }
@@ -406,7 +412,12 @@ class LiquidEngineOf final : public LiquidEngine {
     if (walls_.bodies() > 0) exec_.for_each(count(), place_);
     exec_.for_each(facets_.total, see_);
     body_sums_.resize(walls_.bodies());
-    const Tally sum = exec_.template reduce<Tally>(count(), rates_, body_sums_);
+    Tally sum = exec_.template reduce<Tally>(count(), rates_, body_sums_);
+    if (walls_.bodies() > 1) {
+      std::vector<BodySum> at_edges(walls_.bodies());
+      sum.add(exec_.template reduce<Tally>(facets_.total, edges_, at_edges));
+      for (std::size_t b = 0; b < at_edges.size(); ++b) body_sums_[b].add(at_edges[b]);
+    }
     if (sum.crowded_by_facets > 0)
       throw Error(ErrorCode::scene,
                   "more than " + std::to_string(NearWalls::most) + " facets within " +
@@ -449,6 +460,7 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<std::uint32_t> particle_, near_count_;
   Buffer<NearFacet> near_;
   Buffer<SeenFacet> seen_;
+  Buffer<Vec3d> by_pressure_;
 
   // The functors of a step.
   LiquidArrays<Real> liquid_;
@@ -457,6 +469,7 @@ class LiquidEngineOf final : public LiquidEngine {
   PlaceFacets<Real> place_;
   SeeFacets<Real> see_;
   SumRates<Real, shifting> rates_;
+  SumEdges<Real> edges_;
   Advance<Real> advance_;
   Quanta quanta_;
 

@@ -58,6 +58,8 @@ struct WallArrays {
   std::uint32_t* near_count = nullptr;
   NearFacet* near = nullptr;
   SeenFacet* seen = nullptr;
+  Vec3d* by_pressure =
+      nullptr;  // acceleration of each particle near walls by pressure, ghosts included [m/s2]
 };
 
 // Facets near one particle.

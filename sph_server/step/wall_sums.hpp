@@ -10,18 +10,11 @@
 #include "sph_server/equations/spray.hpp"
 #include "sph_server/equations/wall_repulsion.hpp"
 #include "sph_server/equations/wall_terms.hpp"
-#include "sph_server/kernel/common_edge.hpp"
 #include "sph_server/step/arrays.hpp"
 #include "sph_server/step/pair_sums.hpp"
 #include "sph_server/step/tally.hpp"
 
 namespace tandem::sph {
-
-// Facets of two bodies meet where the gap between them is below this [spacings].
-inline constexpr double edge_gap = 0.25;
-
-// The part of the kernel's surface integral over a plane below which a facet is a sliver [-].
-inline constexpr double sliver = 1e-5;
 
 // Added to the sums over neighbours, and to the tally.
 struct WallSums {
@@ -43,7 +36,6 @@ struct SumWalls {
   WallKernel kernel;
   Quanta quanta;
   double mass = 0;        // of a particle [kg]
-  double spacing = 0;     // [m]
   bool continued = true;  // false: the ghosts have the pressure of the particle, without its gradient
 
   struct Particle {
@@ -71,7 +63,7 @@ struct SumWalls {
       ++tally.crowded_by_facets;
       return sum;
     }
-    bool whole = true, of_one_body = true;
+    bool whole = true;
     Mat3d missing;  // M of ghost_gradient
     const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
     Nearest nearest;
@@ -80,7 +72,6 @@ struct SumWalls {
       const FacetIntegrals& integrals = seen[k].integrals;
       nearest.take(f, p.x, repulsion.range);
       whole = whole && seen[k].whole;
-      of_one_body = of_one_body && f.body == near.facet[0].body;
       if (!is_seen(integrals)) continue;
       const AtFacet at(*this, p, f);
       const WallTerms t = at.terms(*this, p, f, integrals);
@@ -120,8 +111,8 @@ struct SumWalls {
       tally.add(Power::ghost, mass * dot(ghost, p.v - at.v_wall), quanta.power);
       tally.add(Power::walls, mass * dot(total, at.v_wall), quanta.power);
     }
+    arrays.by_pressure[i] = by_pressure;
     if (nearest.distance < repulsion.range) repel(p, nearest, sum, tally, bodies);
-    if (!of_one_body) add_common_edges(p, near, seen, by_pressure, tally, bodies);
     return sum;
   }
 
@@ -179,36 +170,6 @@ struct SumWalls {
     bodies.add(nearest.body, -push, -mass * cross(nearest.point - pose.p, push), quanta);
     tally.add(Power::repulsion, mass * dot(push, p.v - v_wall), quanta.power);
     tally.add(Power::walls, mass * dot(push, v_wall), quanta.power);
-  }
-
-  // Loads that the ghost liquid behind walls of two bodies passes from one to the other at their common
-  // edges. The liquid does not notice them.
-  template <class Bodies>
-  TANDEM_HD void add_common_edges(const Particle& p, const FacetsOfParticle& near, const SeenFacet* seen,
-                                  Vec3d by_pressure, Tally& tally, Bodies& bodies) const {
-    // Rounding leaves slivers of hidden facets in sight, such as of the back of a plate.
-    const auto in_sight = [&](int k) { return std::fabs(seen[k].integrals.surface) * kernel.R > sliver; };
-    for (int k = 0; k < near.count; ++k)
-      for (int other = 0; other < near.count; ++other) {
-        const NearFacet &f = near.facet[k], &g = near.facet[other];
-        if (f.body == g.body || !in_sight(k) || !in_sight(other)) continue;
-        Vec3d strip[4];
-        if (!strip_beyond({{f.a, f.b, f.c}, f.normal}, {{g.a, g.b, g.c}, g.normal}, p.x, 2 * kernel.R,
-                          edge_gap * spacing, strip))
-          continue;
-        const FacetIntegrals integrals = facet_integrals(p.x, strip, 4, f.normal, kernel);
-        const double push =
-            p.volume * wall.inverse_mass *
-            (2 * p.pressure * integrals.surface - wall.density * dot(by_pressure, integrals.moment));
-        const Vec3d towards = dot(p.x - f.a, f.normal) < 0 ? -f.normal : f.normal,
-                    force = particles::rounded(-push * towards, quanta.acceleration);
-        const particles::BodyPose &pose_f = walls.pose[f.body], &pose_g = walls.pose[g.body];
-        const Vec3d arm_f = p.x - pose_f.p, arm_g = p.x - pose_g.p;
-        bodies.add(f.body, force, mass * cross(arm_f, force), quanta);
-        bodies.add(g.body, -force, -mass * cross(arm_g, force), quanta);
-        const Vec3d apart = pose_f.v + cross(pose_f.w, arm_f) - pose_g.v - cross(pose_g.w, arm_g);
-        tally.add(Power::edges, mass * dot(force, apart), quanta.power);
-      }
   }
 };
 

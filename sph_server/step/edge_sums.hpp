@@ -1,0 +1,76 @@
+// Loads that the ghost liquid behind walls of two bodies passes from one to the other at their common edges
+// (kernel/common_edge.hpp). The liquid does not notice them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "particles/state/centre.hpp"
+#include "sph_server/equations/wall_terms.hpp"
+#include "sph_server/kernel/common_edge.hpp"
+#include "sph_server/step/arrays.hpp"
+#include "sph_server/step/body_sum.hpp"
+#include "sph_server/step/tally.hpp"
+
+namespace tandem::sph {
+
+// Facets of two bodies meet where the gap between them is below this [spacings].
+inline constexpr double edge_gap = 0.25;
+
+// The part of the kernel's surface integral over a plane below which a facet is a sliver [-]. Rounding leaves
+// slivers of hidden facets in sight, such as of the back of a plate.
+inline constexpr double sliver = 1e-5;
+
+// One facet near one particle, against those of other bodies near it.
+template <class Real>
+struct SumEdges {
+  LiquidArrays<Real> liquid;
+  WallArrays arrays;
+  particles::CentreUnit<Real> centres;
+  WallsView walls;
+  WallConstants wall;
+  WallKernel kernel;
+  Quanta quanta;
+  double mass = 0;     // of a particle [kg]
+  double spacing = 0;  // [m]
+
+  // `bodies`: sums of this thread.
+  template <class Bodies>
+  TANDEM_HD void operator()(std::uint32_t entry, Tally& tally, Bodies& bodies) const {
+    const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
+                        count = arrays.near_count[i];
+    if (entry - begin >= count || count > FacetsOfParticle::most || !in_sight(entry)) return;
+    const NearFacet& f = arrays.near[entry];
+    for (std::uint32_t other = begin; other < begin + count; ++other)
+      if (arrays.near[other].body != f.body && in_sight(other)) add(i, f, arrays.near[other], tally, bodies);
+  }
+
+ private:
+  TANDEM_HD bool in_sight(std::uint32_t entry) const {
+    return std::fabs(arrays.seen[entry].integrals.surface) * kernel.R > sliver;
+  }
+
+  template <class Bodies>
+  TANDEM_HD void add(std::uint32_t i, const NearFacet& f, const NearFacet& g, Tally& tally,
+                     Bodies& bodies) const {
+    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    Vec3d strip[4];
+    if (!strip_beyond({{f.a, f.b, f.c}, f.normal}, {{g.a, g.b, g.c}, g.normal}, x, 2 * kernel.R,
+                      edge_gap * spacing, strip))
+      return;
+    const FacetIntegrals integrals = facet_integrals(x, strip, 4, f.normal, kernel);
+    const double push = static_cast<double>(liquid.state[i].volume) * wall.inverse_mass *
+                        (2 * static_cast<double>(liquid.state[i].pressure) * integrals.surface -
+                         wall.density * dot(arrays.by_pressure[i], integrals.moment));
+    const Vec3d towards = dot(x - f.a, f.normal) < 0 ? -f.normal : f.normal,
+                force = particles::rounded(-push * towards, quanta.acceleration);
+    const particles::BodyPose &pose_f = walls.pose[f.body], &pose_g = walls.pose[g.body];
+    const Vec3d arm_f = x - pose_f.p, arm_g = x - pose_g.p;
+    bodies.add(f.body, force, mass * cross(arm_f, force), quanta);
+    bodies.add(g.body, -force, -mass * cross(arm_g, force), quanta);
+    const Vec3d apart = pose_f.v + cross(pose_f.w, arm_f) - pose_g.v - cross(pose_g.w, arm_g);
+    tally.add(Power::edges, mass * dot(force, apart), quanta.power);
+  }
+};
+
+}  // namespace tandem::sph
