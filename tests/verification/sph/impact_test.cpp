@@ -15,6 +15,7 @@
 #include "tests/verification/sph/figure.hpp"
 #include "tests/verification/sph/make_engine.hpp"
 #include "tests/verification/sph/measured.hpp"
+#include "tests/verification/sph/spacings.hpp"
 
 namespace tandem::test {
 namespace impact_test {
@@ -171,7 +172,7 @@ TEST_P(Impact, OnTheFarWall) {
   expect_figure("pressure from 4 to 5, sensor 2, / experiment", 1, mean(record, 4, 5, load) / plateau, 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Spacings, Impact, testing::Values(10, 15));
+INSTANTIATE_TEST_SUITE_P(Spacings, Impact, testing::ValuesIn(spacings({10, 15})));
 
 }  // namespace impact_test
 }  // namespace tandem::test

@@ -12,6 +12,7 @@
 #include "sph_server/equations/time_step.hpp"
 #include "tests/verification/sph/figure.hpp"
 #include "tests/verification/sph/make_engine.hpp"
+#include "tests/verification/sph/spacings.hpp"
 
 namespace tandem::test {
 namespace rotation_test {
@@ -25,12 +26,15 @@ particles::BodyPose turned(double angle, double rate) {
   return {{}, Mat3d{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {}, {0, 0, rate}};
 }
 
-// A bucket of a radius of 6 spacings turns about its axis, with a liquid that turns with it. In the steady
-// state the surface is z = z0 + w^2 r^2 / 2g, and the pressure rho g (surface - z).
-TEST(Bucket, ThatTurnsHasAParabolicSurface) {
-  constexpr double spacing = 0.05, radius = 6 * spacing, depth = 6 * spacing, end = 1.6;
+class Bucket : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Spacings, Bucket, testing::ValuesIn(spacings({6})));
+
+// A bucket turns about its axis, with a liquid that turns with it. In the steady state the surface is
+// z = z0 + w^2 r^2 / 2g, and the pressure rho g (surface - z).
+TEST_P(Bucket, ThatTurnsHasAParabolicSurface) {
+  constexpr double radius = 0.3, depth = 0.3, end = 1.6;
   constexpr int segments = 24;
-  const double rise = 4 * spacing, w = std::sqrt(2 * g * rise) / radius;
+  const double spacing = radius / GetParam(), rise = 2. / 3 * radius, w = std::sqrt(2 * g * rise) / radius;
   LiquidSetup setup;
   Liquid& l = setup.liquid;
   l.spacing = spacing;
@@ -66,7 +70,8 @@ TEST(Bucket, ThatTurnsHasAParabolicSurface) {
     kinetic += norm2(s.velocity[i] - cross({0, 0, w}, x)) / (w * w * radius * radius);
     ++counted;
   }
-  std::printf("bucket of a radius of 6 spacings, %zu particles, the rim rises by 4 spacings\n", s.size());
+  std::printf("bucket of a radius of %d spacings, %zu particles, the rim rises by %.3g spacings\n", GetParam(),
+              s.size(), rise / spacing);
   expect_figure("surface, root of the mean square [spacings]", 0, std::sqrt(squares / counted), 0.5);
   expect_figure("surface, worst [spacings]", 0, worst, 1);
   expect_figure("velocity relative to the bucket / rim", 0, std::sqrt(kinetic / counted), 0.02);
