@@ -70,8 +70,8 @@ TEST_P(Bucket, ThatTurnsHasAParabolicSurface) {
     kinetic += norm2(s.velocity[i] - cross({0, 0, w}, x)) / (w * w * radius * radius);
     ++counted;
   }
-  std::printf("bucket of a radius of %d spacings, %zu particles, the rim rises by %.3g spacings\n", GetParam(),
-              s.size(), rise / spacing);
+  std::printf("bucket of a radius of %d spacings, %zu particles, the rim rises by %.3g spacings\n",
+              GetParam(), s.size(), rise / spacing);
   expect_figure("surface, root of the mean square [spacings]", 0, std::sqrt(squares / counted), 0.5);
   expect_figure("surface, worst [spacings]", 0, worst, 1);
   expect_figure("velocity relative to the bucket / rim", 0, std::sqrt(kinetic / counted), 0.02);
