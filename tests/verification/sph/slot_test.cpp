@@ -1,7 +1,8 @@
 // A piston presses a liquid without gravity through a slot in the floor of a channel twice as wide. The
 // pressure on it and the width of the steady jet are known in closed form: the jet has the velocity of
 // Bernoulli's law, and contracts to C times the slot [Mises1917]:
-//   1/C = 1 + 2/pi (1/u - u) atan(u), with the velocity u = C (slot / channel) of the piston over that of the jet
+//   1/C = 1 + 2/pi (1/u - u) atan(u), with the velocity u = C (slot / channel) of the piston over that of the
+//   jet
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -95,9 +96,10 @@ TEST_P(Slot, PassesWhatItsContractionAllows) {
   // The jet that has this pressure behind it, and the width that passes the flow of the piston.
   const double pressure = impulse / during / (wide * breadth), jet = std::sqrt(2 * pressure + u * u),
                passed = speed * wide / (half * jet);
-  std::printf("%d spacings across the slot, %zu particles: pressure on the piston / closed form %.3f, density "
-              "error %.3f; the slot lacks %.2f spacings\n",
-              across, start.size(), pressure / (0.5 * (1 - u * u)), density, across * (1 - passed / C));
+  std::printf(
+      "%d spacings across the slot, %zu particles: pressure on the piston / closed form %.3f, density "
+      "error %.3f; the slot lacks %.2f spacings\n",
+      across, start.size(), pressure / (0.5 * (1 - u * u)), density, across * (1 - passed / C));
   expect_figure("particles that passed a wall", 0, static_cast<double>(engine->figures().passed_walls), 0);
   expect_figure("flow / closed form at the same pressure", 1, passed / C, 1.5 / across);
 }
