@@ -28,7 +28,7 @@ std::optional<double> measured(const RunFigures& run, const char* key) {
 // "use a sound_speed of 30 m/s (now 20)", for one that is `factor` times larger.
 std::string faster_sound(const RunFigures& run, double factor) {
   const auto now = run.facts.sph.sound_speed;
-  return now ? fmt::format("use a sound_speed of {:.2g} m/s (now {:.3g})", factor * *now, *now)
+  return now ? fmt::format("use a sound_speed of {:.3g} m/s (now {:.3g})", factor * *now, *now)
              : fmt::format("use a speed of sound {:.2g} times as large", factor);
 }
 
@@ -44,7 +44,7 @@ void add_liquid_rules(std::vector<Rule>& table) {
          return fmt::format(
              "the density of the liquid is off by up to {:.2g} (limit {:.2g}): {}; the step becomes "
              "shorter by the same factor",
-             f.value, limit, faster_sound(run, 1.1 * std::sqrt(f.value / limit)));
+             f.value, limit, faster_sound(run, sph::sound_factor_for_density(f.value)));
        }});
   table.push_back(
       {"mach", "sph.mach", sph::largest_mach,
@@ -56,7 +56,7 @@ void add_liquid_rules(std::vector<Rule>& table) {
          return fmt::format(
              "the fastest particle of the liquid has {:.2g} of the speed of sound (limit {:.2g}): {}, "
              "or an expected_speed of {:.2g} m/s",
-             f.value, limit, faster_sound(run, f.value / limit),
+             f.value, limit, faster_sound(run, sph::sound_factor_for_mach(f.value)),
              f.value * run.facts.sph.sound_speed.value_or(0));
        }});
   table.push_back({"passed_walls", "sph.passed_walls", 0, "a wall keeps the liquid on its side",

@@ -106,6 +106,7 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
     start.setup.slip.push_back(sph.wall_friction == scene::WallFriction::free_slip);
   }
   check_start(start.sites, scene, start.walls, start.poses);
+  check_inlets(start.inlets, start.walls, start.poses, sph.spacing);
   start.warnings = open_faces(scene, meshes, start.insides, start.setup, start.poses);
   if (const auto warning = warning_of_speed(liquid, start.setup.liquid)) start.warnings.push_back(*warning);
   start.setup.domain = sph.domain;

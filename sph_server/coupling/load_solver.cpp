@@ -21,11 +21,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A speed of sound that brings the density error, which falls with its square, below the limit.
-double sound_speed_for(double density_error, double sound_speed) {
-  return sound_speed * std::sqrt(density_error / largest_density_error);
-}
-
 }  // namespace
 
 std::unique_ptr<protocol::LoadSolver> make_solver() {
@@ -223,12 +218,12 @@ void Solver::watch_limits() {
   if (memory_.density_error > largest_density_error && !std::exchange(warned_density_, true))
     log::warn("the density of a particle is off by {:.2g}, beyond {:.2g}: use a sound_speed of {:.3g} m/s",
               memory_.density_error, largest_density_error,
-              sound_speed_for(memory_.density_error, properties_.sound_speed));
+              sound_factor_for_density(memory_.density_error) * properties_.sound_speed);
   if (mach() > largest_mach && !std::exchange(warned_mach_, true))
     log::warn(
         "a particle has {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use a sound_speed of {:.3g} "
         "m/s",
-        memory_.speed, mach(), largest_mach, memory_.speed / largest_mach);
+        memory_.speed, mach(), largest_mach, sound_factor_for_mach(mach()) * properties_.sound_speed);
 }
 
 void Solver::watch_energy() {
@@ -311,12 +306,13 @@ std::vector<std::string> Solver::warnings_of_run() const {
         "the density of the liquid was off by up to {:.2g} (limit {:.2g}): use a sound_speed of {:.3g} m/s "
         "(now {:.3g})",
         memory_.density_error, largest_density_error,
-        sound_speed_for(memory_.density_error, properties_.sound_speed), properties_.sound_speed));
+        sound_factor_for_density(memory_.density_error) * properties_.sound_speed, properties_.sound_speed));
   if (mach() > largest_mach)
     all.push_back(fmt::format(
         "the fastest particle of the liquid had {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use "
         "a sound_speed of {:.3g} m/s (now {:.3g})",
-        memory_.speed, mach(), largest_mach, memory_.speed / largest_mach, properties_.sound_speed));
+        memory_.speed, mach(), largest_mach, sound_factor_for_mach(mach()) * properties_.sound_speed,
+        properties_.sound_speed));
   if (memory_.wall_speed > largest_mach * properties_.sound_speed) all.push_back(sentence_of_walls());
   for (const std::string& sentence : sensors_.warnings(seen_)) all.push_back(sentence);
   if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)

@@ -120,4 +120,27 @@ void check_start(const Sites& sites, const scene::Scene& scene, const std::vecto
   });
 }
 
+void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
+                  std::span<const particles::BodyPose> poses, double spacing) {
+  for (std::size_t k = 0; k < inlets.size(); ++k) {
+    const Inlet& inlet = inlets[k];
+    const Vec3d ahead{0, 0, 0.5 * inlet.thickness};
+    const auto in_world = [&](Vec3d x) { return inlet.of.pose.p_WB + inlet.of.pose.q_WB.matrix() * x; };
+    const Vec3d middle = in_world(ahead);
+    each_facet(walls, poses, [&](const particles::Facet& facet, const std::string& wall) {
+      for (const Vec3d& site : inlet.site) {
+        const double distance = norm(site), most = distance - nearest_wall * spacing;
+        if (!(most > 0)) continue;
+        if (crosses(facet, middle, in_world(most / distance * site + ahead)))
+          throw Error(ErrorCode::scene,
+                      fmt::format("wall '{}' passes through the inlet '{}': it is between the middle of the "
+                                  "inlet and the particle that comes in at {} m",
+                                  wall, inlet.of.name, scene::rounded(in_world(site))),
+                      fmt::format("sph.inlets[{}]", k),
+                      "let the shape of the inlet end at the walls of its nozzle or channel");
+      }
+    });
+  }
+}
+
 }  // namespace tandem::sph

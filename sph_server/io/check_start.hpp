@@ -1,4 +1,4 @@
-// Refuses a start in which a wall is inside the liquid or passes through it.
+// Refuses a start in which a wall is inside the liquid or passes through it or through an inlet.
 #pragma once
 
 #include <span>
@@ -7,6 +7,7 @@
 #include "particles/geometry/path.hpp"
 #include "sph_server/io/body_walls.hpp"
 #include "sph_server/io/fill.hpp"
+#include "sph_server/io/inlets.hpp"
 
 namespace tandem::sph {
 
@@ -18,5 +19,10 @@ inline constexpr double nearest_wall = 0.3;  // [spacings]
 // that is too near to it, and for a box through which it passes.
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
                  std::span<const particles::BodyPose> poses);
+
+// Error{scene} for an inlet with a wall between the middle of its first layer and one of the particles of
+// this layer, which the wall would cut off.
+void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
+                  std::span<const particles::BodyPose> poses, double spacing);
 
 }  // namespace tandem::sph

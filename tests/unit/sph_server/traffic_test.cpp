@@ -100,6 +100,21 @@ TEST(Inlet, HasLayersOfParticlesAndAPiston) {
   EXPECT_NEAR(inlets[1].thickness * area, 1e-6 * static_cast<double>(inlets[1].site.size()), 1e-15);
 }
 
+TEST(Inlet, IsRefusedWhereAWallPassesThroughIt) {
+  nlohmann::json scene = channel();
+  scene["sph"]["inlets"][0]["position"] = {0, 0.02, 0.02};
+  const std::string refused = error_of([&] { TrafficRun run(scene); });
+  EXPECT_TRUE(refused.starts_with(
+      "scene: sph.inlets[0]: wall 'channel' passes through the inlet 'pipe': it is between the middle of the "
+      "inlet and the particle that comes in at ["))
+      << refused;
+  EXPECT_TRUE(refused.ends_with("(let the shape of the inlet end at the walls of its nozzle or channel)"))
+      << refused;
+  // The outermost particles may be nearer to walls than half a spacing.
+  scene["sph"]["inlets"][0]["position"] = {0, 0.002, 0.02};
+  EXPECT_EQ(error_of([&] { TrafficRun run(scene); }), "no error");
+}
+
 TEST(Inlet, FillsAChannelAndTheDrainEmptiesIt) {
   TrafficRun run;
   double worst = 0, scale = 0;
