@@ -272,8 +272,8 @@ bool Elimination::eliminate_joint(LinkIndex i) {
     JointBlock& block = joint_blocks_[a.joint_block];
     auto column = block.column.template topRows<n>();
     auto row = block.row.template leftCols<n>();
-    column.noalias() = S.transpose().lazyProduct(C);
-    row.noalias() = R.lazyProduct(Y);
+    if (a.acts) column.noalias() = S.transpose().lazyProduct(C);
+    if (a.depends) row.noalias() = R.lazyProduct(Y);
     if (c.direct) {
       const auto add = [&](const OnCoordinate& on_q) { column(0, 0) += on_q.column, row(0, 0) += on_q.row; };
       if (i == c.a)
@@ -284,21 +284,23 @@ bool Elimination::eliminate_joint(LinkIndex i) {
         if (i == c.more[s]) add(b.more[s].on_q);
     }
     // Columns of C and rows of R beyond the size of the connection are zero.
-    if (link.parent > 0) {
-      C.noalias() -= U_inverse.lazyProduct(column);
-      const Eigen::Matrix<double, 6, n> row_inverse = row.lazyProduct(inverse);
-      R.noalias() -= row_inverse.lazyProduct(SK);
-    }
+    if (link.parent == 0) continue;
+    if (a.acts) C.noalias() -= U_inverse.lazyProduct(column);
+    if (!a.depends) continue;
+    const Eigen::Matrix<double, 6, n> row_inverse = row.lazyProduct(inverse);
+    R.noalias() -= row_inverse.lazyProduct(SK);
   }
+  const int* place = plan_.links[i].blocks.data();
   for (std::size_t k = 0; k < active.size(); ++k) {
+    if (!active[k].depends) continue;
     const int size_k = blocks_.connections[active[k].connection].size;
     const Eigen::Matrix<double, Eigen::Dynamic, n, 0, 6, n> row =
         joint_blocks_[active[k].joint_block].row.template leftCols<n>().topRows(size_k) * inverse;
     for (std::size_t l = 0; l < active.size(); ++l) {
+      if (!active[l].acts) continue;
       const int size_l = blocks_.connections[active[l].connection].size;
       const auto column = joint_blocks_[active[l].joint_block].column.template topRows<n>().leftCols(size_l);
-      block(plan_.links[i].blocks[k * active.size() + l], size_k, size_l).noalias() -=
-          row.lazyProduct(column);
+      block(*place++, size_k, size_l).noalias() -= row.lazyProduct(column);
       if (k == l)
         for (int j = 0; j < size_k; ++j)
           level_[active[k].connection][j] += std::abs(row.row(j).dot(column.col(j)));
@@ -359,6 +361,11 @@ bool Elimination::exchange(int k, Matrix6d& T, Swept& swept, int most, Rows rows
 void Elimination::invert(int k) {
   const Connection& c = blocks_.connections[k];
   const int m = c.size;
+  if (c.by_neighbours) {
+    // A product of two matrices with positive eigenvalues: its own diagonal may vanish.
+    pivot_[k] = Matrix6d(block(plan_.connections[k].diagonal, 6, 6)).inverse();
+    return;
+  }
   Matrix6d T = Matrix6d::Zero();
   T.topLeftCorner(m, m) = block(plan_.connections[k].diagonal, m, m);
   Swept swept = Swept::Constant(false);
@@ -416,6 +423,20 @@ void Elimination::eliminate_connection(int k, LinkIndex at) {
   const std::size_t n = plan.later.size();
   for (std::size_t i = 0; i < n; ++i) {
     const int size_i = blocks_.connections[plan.later[i].connection].size;
+    if (m == 6 && size_i == 6) {  // nearly all of the time of a heap, where all sizes are fixed
+      using Fixed = Eigen::Map<Matrix6d>;
+      const Matrix6d left = Fixed(&values_[plan.later[i].column_block]).lazyProduct(pivot_[k]);
+      for (std::size_t j = 0; j < n; ++j) {
+        const int size_j = blocks_.connections[plan.later[j].connection].size;
+        double* to = &values_[plan.updates[i * n + j]];
+        double* from = &values_[plan.later[j].row_block];
+        if (size_j == 6)
+          Fixed(to).noalias() -= left.lazyProduct(Fixed(from));
+        else
+          Block(to, 6, size_j).noalias() -= left.lazyProduct(Block(from, 6, size_j));
+      }
+      continue;
+    }
     const Small left = block(plan.later[i].column_block, size_i, m).lazyProduct(pivot);
     for (std::size_t j = 0; j < n; ++j) {
       const int size_j = blocks_.connections[plan.later[j].connection].size;
@@ -473,8 +494,9 @@ void Elimination::inward_joint(LinkIndex i, const VectorXd& r) {
   local.noalias() = left.inverse * (r.segment<n>(link.u) - left.S.transpose() * force_[i]);
   if (link.parent > 0) force_[i].noalias() += left.to_parent * local;
   for (const auto& a : plan_.links[i].active)
-    right_[a.connection].noalias() -=
-        joint_blocks_[a.joint_block].row.template leftCols<n>().lazyProduct(local);
+    if (a.depends)
+      right_[a.connection].noalias() -=
+          joint_blocks_[a.joint_block].row.template leftCols<n>().lazyProduct(local);
 }
 
 // On entry, z_ holds the term to be added to each connection's solution.
@@ -510,7 +532,9 @@ void Elimination::outward_joint(LinkIndex i, VectorXd& x) {
   Eigen::Matrix<double, n, 1> sum = Eigen::Matrix<double, n, 1>::Zero();
   if (link.parent > 0) sum.noalias() = left.from_parent.transpose() * y_[link.parent];
   for (const auto& a : plan_.links[i].active)
-    sum.noalias() += joint_blocks_[a.joint_block].column.template topRows<n>().lazyProduct(z_[a.connection]);
+    if (a.acts)
+      sum.noalias() +=
+          joint_blocks_[a.joint_block].column.template topRows<n>().lazyProduct(z_[a.connection]);
   x.segment<n>(link.u) = local_[i].head<n>() - left.inverse * sum;
   y_[i].noalias() = y_[link.parent] + left.Y * x.segment<n>(link.u);
 }

@@ -16,10 +16,14 @@ class Planner {
     plan_.links.resize(model_.links.size());
     plan_.connections.resize(connections_.size());
     for (int k = 0; k < std::ssize(connections_); ++k) activate(k);
+    fill_sides();
     for (EliminationPlan::PerLink& link : plan_.links)
       for (const auto& a : link.active)
-        for (const auto& b : link.active)
-          if (a.connection != b.connection) neighbours_[a.connection].insert(b.connection);
+        for (const auto& b : link.active) {
+          if (a.connection == b.connection || !a.depends || !b.acts) continue;
+          neighbours_[a.connection].insert(b.connection);
+          neighbours_[b.connection].insert(a.connection);
+        }
     eliminate();
     place_blocks();
   }
@@ -28,7 +32,7 @@ class Planner {
   // Walks from both ends to the link where they meet. Links are numbered parent before child.
   void activate(int k) {
     const Connection& c = connections_[k];
-    if (!c.more.empty()) return activate_many(k);
+    if (!c.more.empty() || c.by_neighbours) return activate_many(k);
     LinkIndex a = c.a, b = c.b;
     const auto descend = [&](LinkIndex& link, int side) {
       plan_.links[link].active.push_back({k, side, false, plan_.joint_blocks++});
@@ -53,19 +57,23 @@ class Planner {
     struct Head {
       LinkIndex link;
       int side;
+      bool acts, depends;
     };
-    std::vector<LinkIndex> own{c.a, c.b};
-    own.insert(own.end(), c.more.begin(), c.more.end());
+    std::vector<LinkIndex> own;
     std::vector<Head> heads;
-    for (int side = 0; side < std::ssize(own); ++side)
-      heads.push_back({own[static_cast<std::size_t>(side)], side});
+    for (int side = 0; side < c.sides(); ++side) {
+      own.push_back(c.link(side));
+      heads.push_back({c.link(side), side, !c.by_neighbours || side == 0, !c.by_neighbours || side != 0});
+    }
     while (true) {
       const LinkIndex link = std::max_element(heads.begin(), heads.end(), [](const Head& x, const Head& y) {
                                return x.link < y.link;
                              })->link;
       int into = none;
+      bool acts = false, depends = false;
       std::erase_if(heads, [&](const Head& head) {
         if (head.link != link) return false;
+        acts = acts || head.acts, depends = depends || head.depends;
         if (into == none) {
           into = head.side;  // sides ascend
           return false;
@@ -75,12 +83,24 @@ class Planner {
       });
       const bool acts_here = c.direct && std::find(own.begin(), own.end(), link) != own.end();
       if (heads.size() == 1 && !acts_here) break;
-      plan_.links[link].active.push_back({k, into, false, plan_.joint_blocks++});
+      plan_.links[link].active.push_back({k, into, false, plan_.joint_blocks++, acts, depends});
       for (Head& head : heads)
-        if (head.link == link) head.link = model_.links[link].parent;
+        if (head.link == link) head = {model_.links[link].parent, head.side, acts, depends};
       if (heads.size() == 1) break;  // the last link of a direct connection
     }
     own_.emplace_back(heads.front().link, k);
+  }
+
+  // A connection that is eliminated at a moving link passes what acts on the link to those that it couples,
+  // and what depends on it.
+  void fill_sides() {
+    std::vector<bool> full(model_.links.size(), false);
+    for (const auto& [link, k] : own_) full[static_cast<std::size_t>(link)] = link > 0;
+    for (std::size_t i = full.size(); i-- > 1;) {
+      if (!full[i]) continue;
+      for (auto& a : plan_.links[i].active) a.acts = a.depends = true;
+      if (const LinkIndex parent = model_.links[i].parent; parent > 0) full[parent] = true;
+    }
   }
 
   // Inward; at each link the connection with the fewest neighbours is first.
@@ -136,7 +156,8 @@ class Planner {
         for (const auto& m : c.later) c.updates.push_back(place.at({l.connection, m.connection}));
     for (auto& link : plan_.links)
       for (const auto& a : link.active)
-        for (const auto& b : link.active) link.blocks.push_back(place.at({a.connection, b.connection}));
+        for (const auto& b : link.active)
+          if (a.depends && b.acts) link.blocks.push_back(place.at({a.connection, b.connection}));
   }
 
   const Model& model_;

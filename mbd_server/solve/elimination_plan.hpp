@@ -20,6 +20,7 @@ struct EliminationPlan {
     int side;
     bool merges;      // the branches of both ends meet here
     int joint_block;  // index of its blocks on the joint of this link, counted over all links
+    bool acts = true, depends = true;  // whether its C and its R are other than zero on this side
   };
   // A neighbour that is eliminated later, with the indices of the two blocks between.
   struct Neighbour {
@@ -34,7 +35,7 @@ struct EliminationPlan {
   struct PerLink {
     std::vector<Merge> merges;
     std::vector<Active> active;
-    std::vector<int> blocks;  // (active x active): index of block (k, l)
+    std::vector<int> blocks;  // (active that depend x active that act): index of block (k, l)
     std::vector<int> own;     // connections eliminated here, in order
   };
   struct PerConnection {

@@ -15,6 +15,8 @@
 #include "mbd_server/solve/linearisation.hpp"
 
 #include <algorithm>
+#include <map>
+#include <numeric>
 
 #include "mbd_server/forces/size_over_joint.hpp"
 #include "mbd_server/solve/dynamics.hpp"
@@ -28,6 +30,35 @@ Matrix6d cross_matrix(const Vector6d& V) {
   m.topLeftCorner<3, 3>() = m.bottomRightCorner<3, 3>() = skew(V.head<3>());
   m.bottomLeftCorner<3, 3>() = skew(V.tail<3>());
   return m;
+}
+
+// Of each link in contact, the links that it touches, sorted.
+using Neighbours = std::map<LinkIndex, std::vector<LinkIndex>>;
+
+// The links of those groups that have more pairs than links; a group is what contacts connect.
+Neighbours neighbours_in_large_groups(const std::vector<std::pair<LinkIndex, LinkIndex>>& pairs) {
+  Neighbours all;
+  for (const auto& [a, b] : pairs) all[a].push_back(b), all[b].push_back(a);
+  std::map<LinkIndex, LinkIndex> group;   // a link of the same group that is visited first
+  std::map<LinkIndex, std::size_t> ends;  // of pairs, twice their number (groups)
+  std::map<LinkIndex, std::size_t> links;
+  for (const auto& [first, unused] : all) {
+    std::vector<LinkIndex> open{first};
+    while (!open.empty()) {
+      const LinkIndex link = open.back();
+      open.pop_back();
+      if (!group.emplace(link, first).second) continue;
+      ++links[first];
+      ends[first] += all.at(link).size();
+      for (const LinkIndex other : all.at(link)) open.push_back(other);
+    }
+  }
+  std::erase_if(all, [&](const auto& entry) {
+    const LinkIndex of = group.at(entry.first);
+    return ends.at(of) <= 2 * links.at(of);
+  });
+  for (auto& [link, others] : all) std::ranges::sort(others);
+  return all;
 }
 
 }  // namespace
@@ -103,7 +134,25 @@ void Linearisation::make_blocks(std::size_t first) {
 
 void Linearisation::set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links) {
   connections.resize(static_cast<std::size_t>(first_contact));
-  for (const auto& [a, b] : links) connections.push_back({a, b, 6, true, false, none});
+  contact_places.clear();
+  const Neighbours neighbours = neighbours_in_large_groups(links);
+  std::map<LinkIndex, int> connection_of;
+  for (const auto& [link, others] : neighbours) {
+    connection_of[link] = static_cast<int>(connections.size());
+    connections.push_back({link, others[0], 6, true, false, none, {others.begin() + 1, others.end()}, true});
+  }
+  const auto side = [&](LinkIndex of, LinkIndex other) {
+    const auto& others = neighbours.at(of);
+    return 1 + static_cast<int>(std::ranges::lower_bound(others, other) - others.begin());
+  };
+  for (const auto& [a, b] : links) {
+    if (neighbours.contains(a)) {
+      contact_places.push_back({none, connection_of.at(a), side(a, b), connection_of.at(b), side(b, a)});
+    } else {
+      contact_places.push_back({.connection = static_cast<int>(connections.size())});
+      connections.push_back({a, b, 6, true, false, none});
+    }
+  }
   make_blocks(static_cast<std::size_t>(first_contact));
 }
 
@@ -299,8 +348,11 @@ void Dynamics::linearise_forces(const MatrixWeights& weights, Linearisation& out
 void Dynamics::linearise_contacts(const MatrixWeights& weights, Linearisation& out) const {
   for (std::size_t k = static_cast<std::size_t>(out.first_contact); k < out.blocks.size(); ++k) {
     ConnectionBlocks& block = out.blocks[k];
-    block.C_a.setIdentity(), block.R_a.setZero(), block.R_b.setZero();
-    block.C_b = -Matrix6d::Identity();
+    const bool by_neighbours = out.connections[k].by_neighbours;
+    block.C_a = (by_neighbours ? -1 : 1) * Matrix6d::Identity();
+    block.C_b = by_neighbours ? Matrix6d(Matrix6d::Zero()) : Matrix6d(-Matrix6d::Identity());
+    block.R_a.setZero(), block.R_b.setZero();
+    for (ConnectionSide& side : block.more) side.C.setZero(), side.R.setZero();
   }
   if (weights.stiffness == 0 && weights.damping == 0) return;
   for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
@@ -318,13 +370,25 @@ void Dynamics::linearise_contacts(const MatrixWeights& weights, Linearisation& o
     // The connection has the change of the wrench on the second link of the two.
     const auto pair = std::lower_bound(moving_contacts_.begin(), moving_contacts_.end(),
                                        std::pair{std::min(a, b), std::max(a, b)});
-    ConnectionBlocks& block =
-        out.blocks[static_cast<std::size_t>(out.first_contact + (pair - moving_contacts_.begin()))];
+    const auto& place = out.contact_places[static_cast<std::size_t>(pair - moving_contacts_.begin())];
     const double on_second = a < b ? weights.stiffness : -weights.stiffness;
-    block.R_a.leftCols<6>() += on_second * (a < b ? f.by_a : f.by_b);
-    block.R_b.leftCols<6>() += on_second * (a < b ? f.by_b : f.by_a);
-    block.R_a.middleCols<6>(6) -= f.by_velocity;
-    block.R_b.middleCols<6>(6) += f.by_velocity;
+    const Matrix6d by_first = on_second * (a < b ? f.by_a : f.by_b),
+                   by_second = on_second * (a < b ? f.by_b : f.by_a);
+    const auto add = [&](auto&& R, double sign, const Matrix6d& by, double by_velocity) {
+      R.template leftCols<6>() += sign * by;
+      R.template middleCols<6>(6) += sign * by_velocity * f.by_velocity;
+    };
+    if (place.connection != none) {
+      ConnectionBlocks& block = out.blocks[place.connection];
+      add(block.R_a, 1, by_first, -1);
+      add(block.R_b, 1, by_second, 1);
+      continue;
+    }
+    // What the wrench on a link changes by its own motion is part of its K.
+    add(out.grounded[out.grounded_of[std::max(a, b)]], -1, by_second, 1);
+    add(out.grounded[out.grounded_of[std::min(a, b)]], 1, by_first, -1);
+    add(out.blocks[place.of_b].R(place.side_of_a), 1, by_first, -1);
+    add(out.blocks[place.of_a].R(place.side_of_b), -1, by_second, 1);
   }
 }
 

@@ -10,8 +10,14 @@
 // A connection is a closure, whose z is a multiplier; or a spring, cylinder or bushing, whose z is its change
 // of force; or the geometric stiffness of a closure; or the tension of a rope; or a force that depends on a
 // coordinate elsewhere. Ropes, and couplers of more than two joints, connect more than two links.
+//
+// Contacts between moving links are connections of two kinds. That of a pair of links has the change of its
+// wrench as z. Where a group of links in contact has more pairs than links, as in a heap, each link has one
+// connection instead: z is the change of the wrench on that link by the motion of all its neighbours. It acts
+// on that link and depends on the others only, so that the system has six unknowns for each body.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "mbd_server/model/model.hpp"
@@ -36,6 +42,12 @@ struct Connection {
   bool direct = false;            // acts on the coordinates of its links themselves
   int first = none;               // of a closure: index of its first multiplier in lambda
   std::vector<LinkIndex> more{};  // further links, which all differ
+  bool by_neighbours = false;     // acts on a only, and depends on the motion of b and `more` only
+
+  int sides() const { return 2 + static_cast<int>(more.size()); }
+  LinkIndex link(int side) const {
+    return side == 0 ? a : (side == 1 ? b : more[static_cast<std::size_t>(side) - 2]);
+  }
 };
 
 // Entries between z and the coordinate of a link itself, of a direct connection.
@@ -72,14 +84,21 @@ struct ConnectionBlocks {
 // (Dynamics::linearise_link): stored for all links they would be most of the memory traffic of a step.
 struct Linearisation {
   explicit Linearisation(const Model& model);
-  // Pairs of moving links in contact: the last of the connections.
+  // Pairs of moving links in contact, sorted: the last of the connections.
   void set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links);
   void make_blocks(std::size_t first);
 
+  // Where the wrench of a pair in contact is.
+  struct ContactPlace {
+    int connection = none;  // of the pair; none: each of the two links has one by its neighbours
+    int of_a = none, side_of_b = 0, of_b = none, side_of_a = 0;
+  };
+
   // Closures, then springs, cylinders, bushings and geometric stiffnesses between moving links.
   std::vector<Connection> connections;
-  int first_contact = 0;                 // index of the first connection of contacts
-  std::vector<ConnectionBlocks> blocks;  // (connections)
+  int first_contact = 0;                     // index of the first connection of contacts
+  std::vector<ContactPlace> contact_places;  // (pairs in contact)
+  std::vector<ConnectionBlocks> blocks;      // (connections)
   // none: one end is on the ground; cylinder_connection (elements): also for motors; stiffness_connection:
   // also where the closure has no geometric stiffness
   std::vector<int> spring_connection, cylinder_connection, bushing_connection, stiffness_connection;

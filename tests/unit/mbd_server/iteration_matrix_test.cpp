@@ -253,6 +253,63 @@ scene::Scene touching(scene::Geometry a, scene::Geometry b, Vec3d apart, bool he
   return scene;
 }
 
+// Every pair of shapes that is near touches, with springs of friction that are stretched.
+void touch_all(Differences& d) {
+  d.system.residual(d.state);
+  std::vector<ContactFeature> features;
+  for (int b = 1; b < std::ssize(d.model.contact.shapes); ++b)
+    for (int a = 0; a < b; ++a) find_features(d.model, a, b, d.system.links(), .2, -1, features);
+  std::erase_if(features, [](const ContactFeature& f) { return f.kind == ContactFeature::Kind::watch; });
+  d.state.contacts.setZero(ContactRow::count, std::ssize(features));
+  for (Eigen::Index k = 0; k < std::ssize(features); ++k) {
+    ContactColumn column = ContactColumn::Zero();
+    set_feature(features[static_cast<std::size_t>(k)], column);
+    column[ContactRow::mass] = .5, column[ContactRow::entry_rate] = 3;
+    column[ContactRow::stiffness] = 60, column[ContactRow::damping] = 2;
+    column.segment<3>(ContactRow::on_a) = d.any(3, .1), column.segment<3>(ContactRow::on_b) = d.any(3, .3);
+    d.state.contacts.col(k) = column;
+  }
+}
+
+// More pairs than links in contact: the connections are those of links. Free bodies; and links of a machine
+// with loops, far out in its branches.
+TEST(IterationMatrix, OfAHeapIsTheDerivative) {
+  struct Heap {
+    const char* what;
+    scene::Scene scene;
+    std::vector<BodyId> bodies;
+  };
+  std::vector<Heap> heaps{{"five free balls", machines::empty(), {}},
+                          {"links of a machine", looped(), {{1}, {2}, {3}, {5}, {7}}},
+                          {"links of a machine and free balls", looped(), {{3}, {2}, {7}}}};
+  for (const int heap : {0, 2})
+    for (int i = 0; i < (heap == 0 ? 5 : 2); ++i)
+      heaps[static_cast<std::size_t>(heap)].bodies.push_back(
+          machines::add_body(heaps[static_cast<std::size_t>(heap)].scene, "ball" + std::to_string(i), 1 + i,
+                             {.3, .2, .4}, {.3 * i, .4 * (i % 2), .2 * (i % 3)}));
+  for (Heap& heap : heaps)
+    for (const double friction : {.02, 50.}) {
+      scene::Scene scene = heap.scene;
+      scene.contact.emplace();
+      scene.contact->materials = {{"stuff", 200, 0, 0, .6, friction}};
+      for (const BodyId body : heap.bodies) {
+        scene::Shape shape;
+        shape.name = "shape" + std::to_string(body.value);
+        shape.use = scene::ShapeUse::contact;
+        shape.body = body;
+        shape.contact_material = 0;
+        shape.geometry = scene::SphereShape{1};
+        scene.shapes.push_back(shape);
+      }
+      Differences d(scene);
+      d.scatter(1);
+      touch_all(d);
+      ASSERT_GT(d.state.contacts.cols(), 6) << heap.what;
+      d.expect_inverse(heap.what, all_weights, d.state.q, d.x0);
+      d.expect_inverse(heap.what, {1, .3, .3}, d.state.q, d.x0);
+    }
+}
+
 TEST(IterationMatrix, OfContactsIsTheDerivative) {
   struct Touching {
     const char* what;
@@ -298,20 +355,7 @@ TEST(IterationMatrix, OfContactsIsTheDerivative) {
       const State start = initial_state(d.model, d.scene);
       d.state.q = start.q;
       d.system.move(start.q, d.any(d.model.freedoms, .02), d.state.q);
-      d.system.residual(d.state);
-      std::vector<ContactFeature> features;
-      find_features(d.model, 0, 1, d.system.links(), .2, -1, features);
-      std::erase_if(features, [](const ContactFeature& f) { return f.kind == ContactFeature::Kind::watch; });
-      d.state.contacts.setZero(ContactRow::count, std::ssize(features));
-      for (Eigen::Index k = 0; k < std::ssize(features); ++k) {
-        ContactColumn column = ContactColumn::Zero();
-        set_feature(features[static_cast<std::size_t>(k)], column);
-        column[ContactRow::mass] = .5, column[ContactRow::entry_rate] = 3;
-        column[ContactRow::stiffness] = 60, column[ContactRow::damping] = 2;
-        column.segment<3>(ContactRow::on_a) = d.any(3, .1),
-        column.segment<3>(ContactRow::on_b) = d.any(3, .3);
-        d.state.contacts.col(k) = column;
-      }
+      touch_all(d);
       bool any = false;
       for (Eigen::Index k = 0; k < d.state.contacts.cols(); ++k) {
         const ContactForce f = evaluate(d.model, d.state.contacts.col(k), d.system.links());
