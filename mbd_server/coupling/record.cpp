@@ -142,10 +142,12 @@ bool MbdSolver::sums_local_errors() const {
 }
 
 // Estimates the local error as the error control does (generalized_alpha.hpp), from the rate of the
-// acceleration over this step: a contact that begins at its end has another rate.
+// acceleration over this step: a contact that begins at its end has another rate. Where the step was taken in
+// parts, that rate is only of the last part.
 void MbdSolver::measure_local_error(double h) {
   if (!sums_local_errors()) return;
-  local_error_ = error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
+  const std::optional<double> of_parts = machine_->method.error_of_parts();
+  local_error_ = of_parts ? *of_parts : error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
 }
 
 double MbdSolver::energy_residual(double energy) const {

@@ -15,6 +15,9 @@ namespace {
 
 // A body whose shape has corners or a length turns by at most this angle in a step [rad].
 constexpr double largest_turn = 0.5;
+// A round surface that rolls by the angle x in a step takes the end of its spring of friction along a
+// cycloid, which differs from the way by x^3 / 6 of the radius: by 4e-4 of the way at this angle [rad].
+constexpr double largest_roll = 0.05;
 // A step that passes the end of a contact within these shares of its length is not cut; one that is cut
 // passes the end by at most late_share.
 constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
@@ -250,6 +253,16 @@ double BodyContacts::longest_step(const State& state, double h) const {
     };
     const double w = (V(ContactRow::shape_b) - V(ContactRow::shape_a)).norm();
     if (w * longest > largest_turn) longest = largest_turn / w;
+  }
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    if (!(state.contacts(ContactRow::stiffness, k) > 0)) continue;
+    const ContactFeature f = feature_of(state.contacts.col(k));
+    if (!(std::max(model_.contact.shape(f.a).radius, model_.contact.shape(f.b).radius) > 0)) continue;
+    const Vector3d n = touch(model_, f, system_.links(), Derivatives::without).n,
+                   w = (link_of(model_, f.b, system_.links()).V - link_of(model_, f.a, system_.links()).V)
+                           .head<3>();
+    const double rolling = (w - n.dot(w) * n).norm();
+    if (rolling * longest > largest_roll) longest = largest_roll / rolling;
   }
   for (const ContactShape& shape : model_.contact.shapes) {
     if (shape.kind == ContactShape::Kind::sphere || shape.link == 0) continue;

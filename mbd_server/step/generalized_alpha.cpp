@@ -161,6 +161,7 @@ ControlTraits GeneralizedAlpha::traits() const {
 }
 
 void GeneralizedAlpha::step(System& system, State& state, double h) {
+  error_of_parts_.reset();
   if (try_step(system, state, h)) return;
   ++counters_.rejected;
   step_in_parts(system, state, h);
@@ -175,19 +176,22 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
     shortened_.shortest = h;
   }
   const double begin = state.time;
+  error_of_parts_ = 0;
   int length = most / 2;
   for (int done = 0; done < most;) {
     const double part = h * length / most;
-    if (!try_step(system, state, part)) {
+    std::optional<LocalError> error = try_step(system, state, part);
+    if (!error) {
       ++counters_.rejected;
       if (length > 1) {
         length /= 2;
         continue;
       }
       if (!find(system, state, part, Trust::any)) give_up(system, part);
-      finish(system, state, part);
+      error = finish(system, state, part);
       ++shortened_.doubtful;
     }
+    *error_of_parts_ += error->position;
     shortened_.shortest = std::min(shortened_.shortest, part);
     done += length;
     state.time = begin + h * done / most;

@@ -85,6 +85,8 @@ class GeneralizedAlpha final : public ControlledMethod {
 
   std::string largest_state_error(const System& system) const override { return system.worst_state(dz_); }
   const ShortenedSteps& shortened() const { return shortened_; }
+  // Sum of the local errors of the position of the parts of the last step() [-]; none: it was taken whole.
+  std::optional<double> error_of_parts() const { return error_of_parts_; }
   const GeneralizedAlphaConstants& constants() const { return c_; }
   // Multiplies Newton's tolerance by that factor.
   void loosen(double factor) { newton_.tolerance *= factor; }
@@ -119,6 +121,7 @@ class GeneralizedAlpha final : public ControlledMethod {
   double last_norm_ = 0, last_time_ = 0;
   int last_iterations_ = 0;
   ShortenedSteps shortened_;
+  std::optional<double> error_of_parts_;
   // The system had no forces at an iterate of the last try_step() that failed, and why.
   bool singular_ = false;
   std::optional<Error> failure_;

@@ -146,7 +146,20 @@ TEST(GeneralizedAlpha, TakesAStepInPartsWhereNewtonFails) {
   machines::Run run(machines::pendulum(), .2, .9, few), fine(machines::pendulum(), 1e-4, .9);
   run.advance(2);
   const State saved = run.state;
-  run.advance(3);
+  for (int i = 0; i < 3; ++i) {
+    const std::uint64_t before = run.integrator.shortened().count;
+    run.advance(1);
+    const bool in_parts = run.integrator.shortened().count > before;
+    // Of two halves or more, each with an eighth of the error that the step would have.
+    const double whole = std::abs(run.integrator.constants().error_constant()) * std::pow(.2, 3) *
+                         run.system.norm(run.state.udot_rate);
+    EXPECT_EQ(run.integrator.error_of_parts().has_value(), in_parts);
+    if (!in_parts) continue;
+    std::printf("local error of the parts %.3g, of a whole step with the rate of the last part %.3g\n",
+                *run.integrator.error_of_parts(), whole);
+    EXPECT_GT(*run.integrator.error_of_parts(), 0);
+    EXPECT_LT(*run.integrator.error_of_parts(), whole);
+  }
   const ShortenedSteps& s = run.integrator.shortened();
   std::printf(
       "pendulum, steps of 0.2 s and four iterations: %d in parts, first at %.3g s, shortest %.3g s, at %s\n",

@@ -498,6 +498,27 @@ TEST(Contact, ABeginningContactIsNoErrorOfTheStepBefore) {
               run.facts().at("mbd_local_error_sum").get<double>(), 0, 1e-3);
 }
 
+// A ball that bounces, and rolls at last, in windows of 1 s: its steps resolve the rolling, so that it ends
+// where it does in short windows, and what the steps leave out is small.
+TEST(Contact, ABallRollsInLongWindows) {
+  const auto end = [](double window) {
+    ContactScene s;
+    s.add_floor();
+    s.add_ball("ball", 1, 0.1, {0, 0, 0.7});
+    s.body({0}).twist.v_WB = {0.1, 0, 0};
+    s.material() = {"stuff", 1e6, 0, 0, 0.9, 0.3};
+    ContactRun run(s.scene, window);
+    run.advance(static_cast<int>(std::lround(10 / window)));
+    return std::pair{run.position(), run.facts()};
+  };
+  const auto [seen, facts] = end(1);
+  const auto [right, unused] = end(1e-3);
+  expect_near("steps that were taken in parts", facts.value("mbd_shortened_steps", 0), 0, 0);
+  expect_near("sum of the local errors over the size of the machine",
+              facts.at("mbd_local_error_sum").get<double>(), 0, 1e-3);
+  expect_near("place at 10 s, windows of 1 s and of 1 ms [m]", norm(seen - right), 0, 1e-3);
+}
+
 // Bodies that overlap at the start fly apart, and the run says so; those that their weight presses do not.
 TEST(Contact, AnOverlapAtTheStartIsNamed) {
   for (const bool at_rest : {false, true}) {
