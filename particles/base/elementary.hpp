@@ -18,20 +18,12 @@ namespace detail {
 // tangent (sign 1).
 template <int sign>
 TANDEM_HD inline double odd_series(double x) {
+  constexpr double factor[] = {1. / 3,  1. / 5,  1. / 7,  1. / 9,  1. / 11, 1. / 13,
+                               1. / 15, 1. / 17, 1. / 19, 1. / 21, 1. / 23, 1. / 25};
   const double x2 = sign * (x * x);
-  return x +
-         x * (x2 * (1.0 / 3 +
-                    x2 * (1.0 / 5 +
-                          x2 * (1.0 / 7 +
-                                x2 * (1.0 / 9 +
-                                      x2 * (1.0 / 11 +
-                                            x2 * (1.0 / 13 +
-                                                  x2 * (1.0 / 15 +
-                                                        x2 * (1.0 / 17 +
-                                                              x2 * (1.0 / 19 +
-                                                                    x2 * (1.0 / 21 +
-                                                                          x2 * (1.0 / 23 +
-                                                                                x2 * (1.0 / 25)))))))))))));
+  double sum = 0;
+  for (int n = 11; n >= 0; --n) sum = factor[n] + x2 * sum;
+  return x + x * (x2 * sum);
 }
 
 }  // namespace detail
@@ -83,49 +75,19 @@ TANDEM_HD inline double inverse_sinh(double x) {
 struct SineCosine {
   double sine, cosine;
 };
-// For |x| <= 1.6 rad, by the series of Taylor; the errors are below 8e-16 of 1.
+// For |x| <= 1.6 rad, by the series of Taylor, whose terms have these ratios to the term before; the errors are
+// below 8e-16 of 1.
 TANDEM_HD inline SineCosine sine_cosine(double x) {
+  constexpr double of_sine[] = {1. / 6,   1. / 20,  1. / 42,  1. / 72,  1. / 110, 1. / 156,
+                                1. / 210, 1. / 272, 1. / 342, 1. / 420, 1. / 506, 1. / 600},
+                   of_cosine[] = {1. / 2,   1. / 12,  1. / 30,  1. / 56,  1. / 90,  1. / 132,
+                                  1. / 182, 1. / 240, 1. / 306, 1. / 380, 1. / 462, 1. / 552};
   const double x2 = x * x;
-  const double sine =
-      1 -
-      x2 * (1.0 / 6) *
-          (1 -
-           x2 * (1.0 / 20) *
-               (1 -
-                x2 * (1.0 / 42) *
-                    (1 -
-                     x2 * (1.0 / 72) *
-                         (1 -
-                          x2 * (1.0 / 110) *
-                              (1 -
-                               x2 * (1.0 / 156) *
-                                   (1 -
-                                    x2 * (1.0 / 210) *
-                                        (1 - x2 * (1.0 / 272) *
-                                                 (1 - x2 * (1.0 / 342) *
-                                                          (1 - x2 * (1.0 / 420) *
-                                                                   (1 - x2 * (1.0 / 506) *
-                                                                            (1 - x2 * (1.0 / 600))))))))))));
-  const double cosine =
-      1 -
-      x2 * (1.0 / 2) *
-          (1 -
-           x2 * (1.0 / 12) *
-               (1 -
-                x2 * (1.0 / 30) *
-                    (1 -
-                     x2 * (1.0 / 56) *
-                         (1 -
-                          x2 * (1.0 / 90) *
-                              (1 -
-                               x2 * (1.0 / 132) *
-                                   (1 -
-                                    x2 * (1.0 / 182) *
-                                        (1 - x2 * (1.0 / 240) *
-                                                 (1 - x2 * (1.0 / 306) *
-                                                          (1 - x2 * (1.0 / 380) *
-                                                                   (1 - x2 * (1.0 / 462) *
-                                                                            (1 - x2 * (1.0 / 552))))))))))));
+  double sine = 1, cosine = 1;
+  for (int n = 11; n >= 0; --n) {
+    sine = 1 - x2 * of_sine[n] * sine;
+    cosine = 1 - x2 * of_cosine[n] * cosine;
+  }
   return {x * sine, cosine};
 }
 
