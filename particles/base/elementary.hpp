@@ -75,8 +75,8 @@ TANDEM_HD inline double inverse_sinh(double x) {
 struct SineCosine {
   double sine, cosine;
 };
-// For |x| <= 1.6 rad, by the series of Taylor, whose terms have these ratios to the term before; the errors are
-// below 8e-16 of 1.
+// For |x| <= 1.6 rad, by the series of Taylor, whose terms have these ratios to the term before; the errors
+// are below 8e-16 of 1.
 TANDEM_HD inline SineCosine sine_cosine(double x) {
   constexpr double of_sine[] = {1. / 6,   1. / 20,  1. / 42,  1. / 72,  1. / 110, 1. / 156,
                                 1. / 210, 1. / 272, 1. / 342, 1. / 420, 1. / 506, 1. / 600},

@@ -106,6 +106,7 @@ class LiquidEngine {
   // The same as the mean over the last step, about the origins at its begin: times dt it is the opposite of
   // the impulse that the liquid got from the bodies.
   virtual const std::vector<Wrench>& step_loads() const = 0;
+  // Error{numerics} where a speed is not finite or a density is off by its own size.
   virtual LiquidTotals totals() const = 0;
   Vec3d momentum() const { return totals().momentum; }  // of the liquid [kg m/s]
   double volume() const { return totals().volume; }     // sum of m/rho of the particles [m3]

@@ -148,6 +148,13 @@ class LiquidEngineOf final : public LiquidEngine {
 
   LiquidTotals totals() const override {
     const Liquid& l = setup_.liquid;
+    // Sums of integers cannot show a value that is not a number.
+    if (!(std::isfinite(figures_.largest_speed) && figures_.largest_compression < 1))
+      throw Error(ErrorCode::numerics,
+                  "the liquid flies apart: a particle has a speed of " +
+                      scene::rounded(figures_.largest_speed) + " m/s, and one a density that is off by " +
+                      scene::rounded(figures_.largest_compression),
+                  "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
     const TotalQuanta q = TotalQuanta::of(count_, figures_.largest_speed, figures_.largest_compression);
     const Totals t = exec_.template reduce<Totals>(count(), AddTotals<Real>{liquid_, q});
     LiquidTotals all;

@@ -120,6 +120,17 @@ TEST(Liquid, RefusesAStepThatIsTooLong) {
   EXPECT_EQ(error_of([&] { engine->step(longest); }), "no error");
 }
 
+// Sums of integers would show some number in place of one that is none.
+TEST(Liquid, RefusesSumsOverAStateThatIsNone) {
+  for (const bool fast : {true, false}) {
+    Jet jet;
+    (fast ? jet.start.velocity[0].x : jet.start.compression[0]) = fast ? std::nan("") : 1.5;
+    const auto engine = make_engine(jet.setup, false);
+    engine->set_state(jet.start);
+    EXPECT_NE(error_of([&] { engine->energies(); }).find("the liquid flies apart: "), std::string::npos);
+  }
+}
+
 // A box, 12 x 6 spacings, with a sheet in its middle that stands on the floor and touches the sides.
 TEST(Sheet, KeepsTwoLevelsApart) {
   constexpr int across = 12, deep = 6, high = 12, low = 6;
