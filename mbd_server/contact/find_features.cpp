@@ -15,8 +15,8 @@ using Points = std::vector<Vector3d>;
 constexpr double same_end = 1e-6;
 // The axis of the last step stays unless another one is better by this share of the smaller thickness.
 constexpr double hysteresis = 0.02;
-// Points of one face nearer to each other than this share of its size are one.
-constexpr double merged = 1e-4;
+// Points of one face nearer to each other than this share of its size differ by rounding.
+constexpr double same_point = 1e-8;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -154,14 +154,16 @@ class FeatureFinder {
       const Vector3d D = q - p;
       const double s = D.cross(g).dot(N) / N.squaredNorm(), t = D.cross(d).dot(N) / N.squaredNorm();
       if (s <= 0 || s >= 1 || t <= 0 || t >= 1) continue;
-      // Out of b: towards the axis, between the normals of the two faces.
+      // Out of b: towards the axis, between the normals of the two faces. A rod that lies on a face across
+      // its edge slopes to either side.
       Vector3d out = p + s * d - q - t * g;
       if (b.shape.is_polytope()) {
         const Vector3d n0 = b.normal(at(e.faces[0])), n1 = b.normal(at(e.faces[1]));
         const Vector3d w0 = g.cross(n0), w1 = g.cross(n1);
         const Vector3d in0 = w0.dot(b.centre - q) > 0 ? w0 : Vector3d(-w0),
                        in1 = w1.dot(b.centre - q) > 0 ? w1 : Vector3d(-w1);
-        if (in0.dot(out) > 0 || in1.dot(out) > 0) continue;
+        const double slack = tilt_of_edge * out.norm();
+        if (in0.dot(out) > slack * in0.norm() || in1.dot(out) > slack * in1.norm()) continue;
       }
       if (out.norm() - rod.shape.radius - b.shape.radius > reach_) continue;
       lines(rod, 0, b, k, out.dot(N) > 0 ? -1 : 1, code_of(Family::lines, 0, static_cast<std::int64_t>(k)));
@@ -175,11 +177,12 @@ class FeatureFinder {
       if (s <= 0 || s >= 1) continue;  // an end touches as a ball
       const Vector3d out = p + s * d - c;
       if (out.norm() - rod.shape.radius > reach_) continue;
-      bool outside = true;
-      for (const ContactShape::Edge& e : b.shape.edges) {
-        if (e.from == static_cast<int>(i)) outside &= out.dot(b.points[at(e.to)] - c) <= 0;
-        if (e.to == static_cast<int>(i)) outside &= out.dot(b.points[at(e.from)] - c) <= 0;
-      }
+      const bool outside = std::ranges::all_of(b.shape.edges, [&](const ContactShape::Edge& e) {
+        const int other = e.from == static_cast<int>(i) ? e.to : e.to == static_cast<int>(i) ? e.from : none;
+        if (other == none) return true;
+        const Vector3d along = b.points[at(other)] - c;
+        return out.dot(along) <= tilt_of_edge * out.norm() * along.norm();
+      });
       if (outside) ball_on_shape(b, i, 0, rod, Family::end_b);
     }
   }
@@ -313,7 +316,7 @@ class FeatureFinder {
     for (const Vector3d& p : polygon) {
       if (n.dot(p - o) > reach_) continue;
       if (std::any_of(taken.begin(), taken.end(),
-                      [&](const Vector3d& q) { return (p - q).norm() < merged * size; }))
+                      [&](const Vector3d& q) { return (p - q).norm() < same_point * size; }))
         continue;
       taken.push_back(p);
       ball_on_plane(other, other.local(p), 0, base, base.shape.points[at(corners[0])],

@@ -11,11 +11,10 @@ namespace {
 using Kind = ContactShape::Kind;
 using Bend = ContactMesh::Bend;
 
+// As tilt_of_edge, for a corner on a face.
+constexpr double tilt_of_corner = 0.35;
 // Places nearer to an edge than this share of the size of the mesh are on it.
 constexpr double rounding = 1e-12;
-// A corner or an edge of a body touches where the body is in front of the surface, to the sine of these
-// angles: a body that lies flat on a surface tilts a little.
-constexpr double tilt_of_corner = 0.35, tilt_of_edge = 0.17;
 // A crossing so near to the end of an edge is one of the corner, as a share of the edge.
 constexpr double at_end = 1e-6;
 
@@ -488,7 +487,8 @@ class MeshFinder {
     if (out.norm() - a_.radius > reach_) return;
     for (const int e : mesh_.edges_at(v)) {
       const ContactMesh::Edge& edge = mesh_.edge(e);
-      if (out.dot(mesh_.point(edge.from == v ? edge.to : edge.from) - c) > 0) return;
+      const Vector3d along = mesh_.point(edge.from == v ? edge.to : edge.from) - c;
+      if (out.dot(along) > tilt_of_edge * out.norm() * along.norm()) return;
     }
     ContactFeature f;
     f.kind = ContactFeature::Kind::line;

@@ -30,6 +30,9 @@ inline std::int64_t code_of(Family family, std::int64_t first, std::int64_t seco
 
 // Two lines whose angle has a sine below this count as parallel.
 inline constexpr double parallel = 0.05;
+// An edge, and a corner on a capsule, touch where the other body is in front of the surfaces that meet there,
+// to the sine of this angle: a body that lies flat on a surface tilts a little to either side.
+inline constexpr double tilt_of_edge = 0.17;
 
 // As find_features(); b is the mesh. For each ball near the mesh there is a `watch`, and the features of the
 // ball itself, with on_mesh.

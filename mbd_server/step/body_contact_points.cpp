@@ -11,6 +11,10 @@ namespace {
 
 // A point of a face within this share of the size of its shape is the one that was there a step before.
 constexpr double same_place = 0.05;
+// A point of a face begins to touch where those that do are farther away than this share of the smaller
+// shape's size: two that are nearer would bear as one, with twice the stiffness.
+constexpr double merged = 1e-4;
+constexpr Eigen::Index part_of_another = -2;  // of such a point, in column_of_
 
 }  // namespace
 
@@ -46,14 +50,17 @@ void BodyContacts::find(State& state, double h) {
         depth = std::max(depth, -gap(model_, feature_of(state.contacts.col(point.column)), links));
     }
     find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_, depth);
-    for (const ContactFeature& feature : features_) {
+    match(state, points);
+    for (std::size_t i = 0; i < features_.size(); ++i) {
+      const ContactFeature& feature = features_[i];
       if (feature.kind == ContactFeature::Kind::watch) {
         watches_.push_back({candidates_.size(), std::exchange(held, {}), pair.reach, depth});
         candidates_.push_back({feature, -1});
         continue;
       }
-      const Eigen::Index column = matching(state, feature, points, taken);
+      const Eigen::Index column = column_of_[i];
       if (column < 0 && feature.on_mesh) continue;  // its watch sees it
+      if (column == part_of_another) continue;
       if (feature.on_mesh) held.push_back(candidates_.size());
       candidates_.push_back({feature, column});
       if (column < 0) continue;
@@ -77,22 +84,39 @@ BodyContacts::Range BodyContacts::of_pair(int a, int b) const {
   return {first, last};
 }
 
-// The column of the point in contact that the feature continues, or -1.
-Eigen::Index BodyContacts::matching(const State& state, const ContactFeature& f, Range points,
-                                    const std::vector<bool>& taken) const {
-  Eigen::Index found = -1;
-  double nearest = f.on_mesh ? same_foot(f) : same_place * model_.contact.shape(f.a).bound;
+// Finds which features of the pair continue which of its points in contact: the nearest ones first, so that a
+// feature does not take the point of its neighbour. Two points that touch stay two, however near they come.
+void BodyContacts::match(const State& state, Range points) {
+  matches_.clear();
+  column_of_.assign(features_.size(), -1);
   for (const OfPair& point : points) {
-    const Eigen::Index k = point.column;
-    if (taken[static_cast<std::size_t>(k)]) continue;
-    const ContactFeature g = feature_of(state.contacts.col(k));
-    if (g.a != f.a || g.b != f.b || g.code != f.code) continue;
-    if (!f.by_place && !f.on_mesh) return k;
-    const double distance =
-        f.on_mesh ? (foot(model_, g, system_.links()) - f.place_b).norm() : (g.place_a - f.place_a).norm();
-    if (distance < nearest) nearest = distance, found = k;
+    const ContactFeature g = feature_of(state.contacts.col(point.column));
+    for (std::size_t i = 0; i < features_.size(); ++i) {
+      const ContactFeature& f = features_[i];
+      if (f.kind == ContactFeature::Kind::watch || g.a != f.a || g.b != f.b || g.code != f.code) continue;
+      double distance = 0, most = HUGE_VAL;
+      if (f.on_mesh)
+        distance = (foot(model_, g, system_.links()) - f.place_b).norm(), most = same_foot(f);
+      else if (f.by_place)
+        distance = (g.place_a - f.place_a).norm(), most = same_place * model_.contact.shape(f.a).bound;
+      if (distance < most) matches_.push_back({distance, i, point.column});
+    }
   }
-  return found;
+  std::ranges::sort(matches_);
+  for (const Match& m : matches_) {
+    if (column_of_[m.feature] >= 0 || std::ranges::find(column_of_, m.column) != column_of_.end()) continue;
+    column_of_[m.feature] = m.column;
+  }
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const ContactFeature& f = features_[i];
+    if (!f.by_place || column_of_[i] >= 0) continue;
+    const double size = std::min(model_.contact.shape(f.a).bound, model_.contact.shape(f.b).bound);
+    for (std::size_t k = 0; k < features_.size(); ++k) {
+      const bool stands = column_of_[k] >= 0 || (k < i && column_of_[k] != part_of_another);
+      if (stands && (features_[k].place_a - f.place_a).norm() < merged * size)
+        column_of_[i] = part_of_another;
+    }
+  }
 }
 
 // Leaves these columns, in the order of their indices.

@@ -147,8 +147,7 @@ class BodyContacts {
   };
   using Range = std::span<const OfPair>;
   Range of_pair(int a, int b) const;
-  Eigen::Index matching(const State& state, const ContactFeature& feature, Range points,
-                        const std::vector<bool>& taken) const;
+  void match(const State& state, Range points);
   void keep(State& state, const std::vector<Eigen::Index>& columns);
   void measure(State& state, Gaps& gaps);
   std::optional<Passage> passed(double h) const;
@@ -217,6 +216,15 @@ class BodyContacts {
   std::vector<Watch> watches_;
   bool turned_ = false;  // a ball has come to another part of a mesh, with another normal
   std::vector<OfPair> by_pair_;
+  // That a feature of the pair continues a point in contact, and how far they are apart [m].
+  struct Match {
+    double distance;
+    std::size_t feature;
+    Eigen::Index column;
+    auto operator<=>(const Match&) const = default;
+  };
+  std::vector<Match> matches_;
+  std::vector<Eigen::Index> column_of_;  // negative: it does not touch (features_)
   std::vector<Entry> entries_;
   std::vector<std::size_t> now_;               // entries that share a solution
   std::vector<int> machine_of_link_;           // none: ground (links)

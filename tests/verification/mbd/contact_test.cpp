@@ -557,6 +557,39 @@ TEST(Contact, LowImpactsReturnTheirShare) {
   }
 }
 
+// Of two corners of a face that are near to each other, one above the surface and one on it, each stays
+// itself.
+TEST(Contact, ACornerDoesNotTakeThePointOfItsNeighbour) {
+  constexpr double k = 1e5, mass = 1, near = 4e-3, tilt = 0.02;
+  for (const double side : {-1., 1.}) {
+    ContactScene s;
+    scene::Shape block;
+    block.name = "block";
+    block.use = scene::ShapeUse::contact;
+    block.contact_material = 0;
+    block.geometry = scene::BoxShape{{1, 1, 1}, {}};
+    s.scene.contact->ground.push_back(block);
+    // A prism on a slider that slopes by `tilt`, with two corners at each of its lower ends.
+    std::vector<Vec3d> corners;
+    for (const double x : {-0.1, -0.1 + near, 0.1 - near, 0.1})
+      for (const double y : {-0.1, 0.1})
+        for (const double z : {-0.05, 0.05})
+          if (std::abs(x) > 0.099 ? y > 0 : true)
+            corners.push_back({x, std::abs(x) > 0.099 ? 0.1 - near : y, z});
+    const BodyId prism =
+        s.add("prism", mass, {0.01, 0.01, 0.01}, {0, 0, 0.5 + 0.05 * std::cos(tilt) + 0.1 * std::sin(tilt)},
+              scene::HullShape{corners, {}, 1});
+    s.body(prism).pose.q_WB = {std::cos(tilt / 2), 0, side * std::sin(tilt / 2), 0};
+    machines::add_joint(s.scene, "slider", scene::JointType::prismatic, ground, prism, {0, 0, 1});
+    s.material() = {"stuff", k, 0, 0, 0.2, 0.4};
+    ContactRun run(s.scene, 5e-3);
+    run.advance(600);
+    // It bounces twice.
+    expect_near("points that came into contact", run.facts().at("mbd_body_contacts"), 3, 0);
+    expect_near("speed [m/s]", norm(run.velocity()), 0, 1e-12);
+  }
+}
+
 TEST(ContactSoak, RandomDropsComeToRest) {
   if (!soak()) GTEST_SKIP() << "TANDEM_SOAK is not set";
   // One seed and another duration, for machines with many cores.

@@ -122,6 +122,66 @@ TEST(MeshContact, ABoxOverhangsAPedestal) {
   }
 }
 
+// A rod that lies across a pedestal stands on its edges, and on its end where that is above the pedestal,
+// with the depths of a balance of moments, though it slopes to one side.
+TEST(MeshContact, ARodLiesAcrossAPedestal) {
+  const double k = 1e5, r = 0.05;
+  enum class Kind { mesh, box, hull };
+  for (const Kind kind : {Kind::mesh, Kind::box, Kind::hull})
+    for (const double left : {-0.1, -0.8}) {
+      MeshScene s;
+      const Vec3d size{0.3 - left, 0.5, 0.2};
+      if (kind == Kind::mesh) s.add_ground_mesh("pedestal", box_mesh(size));
+      if (kind == Kind::box) s.add_ground("pedestal", scene::BoxShape{size, {}});
+      if (kind == Kind::hull) s.add_ground("pedestal", scene::HullShape{box_mesh(size).vertices, {}, 1});
+      // Along x, with its middle at the distances -left and 0.3 from the edges.
+      const BodyId rod = s.add("rod", 1, {0.04, 0.04, 0.001}, {-(0.3 + left) / 2, 0.01, 0.1 + r},
+                               scene::CapsuleShape{r, 0.7, {}});
+      s.body(rod).pose.q_WB = {std::sqrt(0.5), 0, std::sqrt(0.5), 0};
+      s.material() = {"stuff", k, 0, 0, 0.2, 0.5};
+      ContactRun run = s.run(1e-2);
+      run.advance(200);
+      // Points at -a and 0.3 from the middle of the rod.
+      const double a = std::min(-left, 0.35), right = g * a / (a + 0.3) / k, other = g / k - right;
+      expect_near("height at its middle [m]", run.position().z,
+                  0.1 + r - right - (other - right) * 0.3 / (a + 0.3), 1e-7);
+      expect_near("points that came into contact", run.facts().at("mbd_body_contacts"), 2, 0);
+      const Vec3d rest = run.position();
+      run.advance(100);
+      expect_near("displacement in 1 s [m]", norm(run.position() - rest), 0, 1e-8);
+    }
+}
+
+// A rod lies in the gap between two blocks, on four of their corners, along their edges.
+TEST(MeshContact, ARodLiesInAGap) {
+  const double k = 1e5, r = 0.05, half = 0.02, left = -0.1, right = 0.2;
+  for (const bool mesh : {false, true}) {
+    MeshScene s;
+    for (const double side : {-1., 1.}) {
+      const std::string name = side < 0 ? "left" : "right";
+      const Vec3d size{right - left, 0.2, 0.2};
+      if (mesh)
+        s.add_ground_mesh(name, box_mesh(size));
+      else
+        s.add_ground(name, scene::BoxShape{size, {}});
+      s.scene.contact->ground.back().pose.p_WB = {(left + right) / 2, side * (half + 0.1), -0.1};
+    }
+    const double height = std::sqrt(r * r - half * half);
+    const BodyId rod = s.add("rod", 1, {0.04, 0.04, 0.001}, {0, 0, height}, scene::CapsuleShape{r, 0.7, {}});
+    s.body(rod).pose.q_WB = {std::sqrt(0.5), 0, std::sqrt(0.5), 0};
+    s.material() = {"stuff", k, 0, 0, 0.2, 0};
+    ContactRun run = s.run(1e-2);
+    run.advance(200);
+    // Each corner bears half of the load at its end, along the normal; c: cosine of its angle. The rod slides
+    // a little along the gap, which it slopes down.
+    const double c = height / r, sink = g / (2 * k * c * c),
+                 share = (right - run.position().x) / (right - left);
+    expect_near("height at its middle [m]", run.position().z,
+                height - sink * (share * share + (1 - share) * (1 - share)), 2e-8);
+    expect_near("points that came into contact", run.facts().at("mbd_body_contacts"), 4, 0);
+  }
+}
+
 // The centre of a wheel that is drawn over a step goes around its edge.
 TEST(MeshContact, TheAxleOfAWheelGoesAroundTheEdgeOfAStep) {
   const double R = 0.3, step = 0.06, k = 1e7;
