@@ -1,6 +1,7 @@
 #include "mbd_server/contact/contact_force.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace tandem::mbd {
 namespace {
@@ -70,6 +71,28 @@ double normal_energy(const ContactLaw& law, double depth) {
   return law.stiffness * depth * depth * (law.hertz ? std::sqrt(depth) / 2.5 : 0.5);
 }
 
+// Stiffness dN/dd of the spring at that depth [N/m].
+double normal_stiffness(const ContactLaw& law, double depth) {
+  return law.hertz ? 1.5 * law.stiffness * std::sqrt(depth) : law.stiffness;
+}
+
+double half_period(const ContactLaw& law, double mass, double depth) {
+  return std::numbers::pi * std::sqrt(mass / normal_stiffness(law, depth));
+}
+
+AlongFactors along_factors(const ContactLaw& law, const ContactColumn& column, double depth) {
+  AlongFactors f;
+  if (!law.hertz) return f;
+  if (!(depth > 0)) return {.stiffness = 0, .damping = 0};
+  f.stiffness = std::sqrt(depth), f.damping = std::sqrt(f.stiffness);
+  f.stiffness_change = f.stiffness / (2 * depth), f.damping_change = f.damping / (4 * depth);
+  if (const double last = column[ContactRow::last_depth]; last < depth) {
+    const double kept = std::sqrt(last / depth);
+    f.stiffer = 1 - kept, f.stiffer_change = kept / (2 * depth);
+  }
+  return f;
+}
+
 double impact_depth(const ContactLaw& law, double mass, double rate) {
   const double n = power_of(law);
   return std::pow((n + 1) * mass * rate * rate / (2 * law.stiffness), 1 / (n + 1));
@@ -94,11 +117,14 @@ double power(const Model& model, const ContactColumn& column, const ContactMotio
     const double size = trial.norm();
     return (size > most ? most / size : 1) * trial.dot(rate);
   };
+  const AlongFactors along = along_factors(law, column, -motion.gap);
   return normal * motion.gap_rate +
-         of(column[ContactRow::stiffness], column[ContactRow::damping], motion.stretch, motion.sliding,
-            law.friction * normal) +
-         of(column[ContactRow::rolling_stiffness], column[ContactRow::rolling_damping], motion.bend,
-            motion.rolling, law.rolling_friction * column[ContactRow::rolling_radius] * normal);
+         of(along.stiffness * column[ContactRow::stiffness], along.damping * column[ContactRow::damping],
+            motion.stretch - along.stiffer * motion.last_stretch, motion.sliding, law.friction * normal) +
+         of(along.stiffness * column[ContactRow::rolling_stiffness],
+            along.damping * column[ContactRow::rolling_damping],
+            motion.bend - along.stiffer * motion.last_bend, motion.rolling,
+            law.rolling_friction * column[ContactRow::rolling_radius] * normal);
 }
 
 ContactFeature feature_of(const ContactColumn& column) {
@@ -145,15 +171,23 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   f.normal = normal.force;
   f.energy = normal_energy(law, -t.gap);
 
-  const double k = column[ContactRow::stiffness], c = column[ContactRow::damping];
+  const AlongFactors along = along_factors(law, column, -t.gap);
+  const double k = along.stiffness * column[ContactRow::stiffness],
+               c = along.damping * column[ContactRow::damping];
   const Vector3d x_a = a.point(column.segment<3>(ContactRow::on_a)),
                  x_b = b.point(column.segment<3>(ContactRow::on_b)), s = x_b - x_a;
   const double along_n = n.dot(s);
   f.stretch = s - along_n * n;
-  f.energy += 0.5 * k * f.stretch.squaredNorm();
+  if (law.hertz) {
+    f.stiffer = along.stiffer;
+    f.last_stretch = a.R_WL * column.segment<3>(ContactRow::last_stretch);
+    f.last_bend = a.R_WL * column.segment<3>(ContactRow::last_bend);
+  }
+  f.energy += 0.5 * k * f.spring_stretch().squaredNorm();
 
-  const double k_r = column[ContactRow::rolling_stiffness], c_r = column[ContactRow::rolling_damping];
-  const bool may_roll = k_r > 0;
+  const double k_r = along.stiffness * column[ContactRow::rolling_stiffness],
+               c_r = along.damping * column[ContactRow::rolling_damping];
+  const bool may_roll = column[ContactRow::rolling_stiffness] > 0;
   Vector3d d_a, d_b;  // the directions on the two links: a rotation w changes d by w x d
   const Vector3d w = V.head<3>();
   if (may_roll) {
@@ -161,7 +195,7 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
     d_b = b.R_WL * column.segment<3>(ContactRow::roll_b);
     f.bend = n.cross(d_b - d_a);
     f.rolling = w - n.dot(w) * n;
-    f.energy += 0.5 * k_r * f.bend.squaredNorm();
+    f.energy += 0.5 * k_r * f.spring_bend().squaredNorm();
   }
   if (!(f.normal > 0)) return f;
   const double most = law.friction * f.normal,
@@ -174,8 +208,8 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
       return Vector3d(beyond ? limit / size * trial : trial);
     };
     if (law.friction > 0)
-      f.friction = bounded(-k * f.stretch - c * (f.velocity - gap_rate * n), most, f.slides);
-    if (may_roll) f.torque = bounded(-k_r * f.bend - c_r * f.rolling, most_rolling, f.rolls);
+      f.friction = bounded(-k * f.spring_stretch() - c * (f.velocity - gap_rate * n), most, f.slides);
+    if (may_roll) f.torque = bounded(-k_r * f.spring_bend() - c_r * f.rolling, most_rolling, f.rolls);
     f.force += f.friction;
     return f;
   }
@@ -193,6 +227,17 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   const Row6d dN_v = normal.by_rate * n_at;
   Matrix3x6d dF_a = n * dN_a + f.normal * t.dn_a, dF_b = n * dN_b + f.normal * t.dn_b, dF_v = n * dN_v;
   const Matrix3d across = Matrix3d::Identity() - n * n.transpose();
+  // Adds what follows from the depth, on which stiffness and damping depend.
+  const auto add_change_by_depth = [&](Bounded& of, double row_k, double row_c, const Vector3d& stretch,
+                                       const Vector3d& last, const Vector3d& rate) {
+    if (!law.hertz) return;
+    const Vector3d by_depth = -along.stiffness_change * row_k * stretch -
+                              along.damping_change * row_c * rate +
+                              along.stiffness * row_k * along.stiffer_change * last;
+    of.by_a += by_depth * n_at;
+    of.by_b -= by_depth * n_at;
+    of.by_a.leftCols<3>() -= along.stiffness * row_k * along.stiffer * skew(last);  // `last` turns with a
+  };
 
   if (law.friction > 0) {
     const Vector3d v_t = f.velocity - gap_rate * n;
@@ -201,8 +246,10 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
                        d_velocity = across * dv - gap_rate * dn - n * (f.velocity.transpose() * dn);
       return Matrix3x6d(-k * d_stretch - c * d_velocity);
     };
-    Bounded friction{-k * f.stretch - c * v_t, change(-at_point_matrix(x_a), dv_a, t.dn_a),
+    Bounded friction{-k * f.spring_stretch() - c * v_t, change(-at_point_matrix(x_a), dv_a, t.dn_a),
                      change(at_point_matrix(x_b), dv_b, t.dn_b), -c * across * L};
+    add_change_by_depth(friction, column[ContactRow::stiffness], column[ContactRow::damping],
+                        f.spring_stretch(), f.last_stretch, v_t);
     f.slides = friction.bound(law.friction, f.normal, dN_a, dN_b, dN_v);
     f.friction = friction.value;
     f.force += f.friction;
@@ -223,8 +270,10 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
     };
     Matrix3x6d by_velocity = Matrix3x6d::Zero();
     by_velocity.leftCols<3>() = -c_r * across;
-    Bounded moment{-k_r * f.bend - c_r * f.rolling, change(skew(d_a), turn_a.topRows<3>(), t.dn_a),
+    Bounded moment{-k_r * f.spring_bend() - c_r * f.rolling, change(skew(d_a), turn_a.topRows<3>(), t.dn_a),
                    change(-skew(d_b), -turn_b.topRows<3>(), t.dn_b), by_velocity};
+    add_change_by_depth(moment, column[ContactRow::rolling_stiffness], column[ContactRow::rolling_damping],
+                        f.spring_bend(), f.last_bend, f.rolling);
     f.rolls =
         moment.bound(law.rolling_friction * column[ContactRow::rolling_radius], f.normal, dN_a, dN_b, dN_v);
     f.torque = moment.value;

@@ -11,6 +11,12 @@
 // distance along the surfaces of two points that are fixed to the two links while the contact sticks
 // (State::contacts). So a contact that sticks does not creep, however long it lasts.
 //
+// k_t is a share of the normal stiffness dN/dd of the spring, and so is k_r below. With Hertz they change
+// with the depth as the radius of contact does: while the depth grows, the force gained earlier keeps its
+// value; while it shrinks, the force falls with the stiffness, and the energy that this takes from the spring
+// is dissipated ([Thornton2011], as for particles). Over a step from the depth d0 and the stretch s0, the
+// spring has the stretch s - g s0 with g = 1 - k_t(d0) / k_t(d) > 0, or 0.
+//
 // Rolling friction is a moment across the normal, -k_r f - c_r w_t, at most mu_r R* N; f is the rotation of b
 // relative to a across the normal, held like s by two directions that are fixed to the two links, and w_t its
 // rate. 1/R* is the sum of the curvatures of the round surfaces at the point: faces, edges and corners count
@@ -28,14 +34,19 @@ struct ContactForce {
   double normal = 0;                     // N [N]
   Vector3d friction = Vector3d::Zero();  // part of the force across n [N]
   Vector3d stretch = Vector3d::Zero();   // s [m]
+  Vector3d last_stretch = stretch;       // s0 [m]
   Vector3d velocity = Vector3d::Zero();  // of b relative to a at p [m/s]
   double gap = 0;                        // [m]
   double energy = 0;                     // stored in both springs [J]
   bool slides = false;                   // friction is mu N
   Vector3d torque = Vector3d::Zero();    // of rolling friction, on b; a gets the opposite [N m]
   Vector3d bend = Vector3d::Zero();      // f [rad]
+  Vector3d last_bend = bend;             // at the begin of the step [rad]
   Vector3d rolling = Vector3d::Zero();   // w_t [rad/s]
   bool rolls = false;                    // the moment is mu_r R* N
+  double stiffer = 0;                    // g [-]
+  Vector3d spring_stretch() const { return stretch - stiffer * last_stretch; }
+  Vector3d spring_bend() const { return bend - stiffer * last_bend; }
   double power() const { return force.dot(velocity) + torque.dot(rolling); }  // on both links [W]
   // Change of the wrench on b in the world per displacement of a and of b, and per velocity of b relative to
   // a. Not set without derivatives.
@@ -50,6 +61,14 @@ void set_feature(const ContactFeature& feature, Eigen::Ref<ContactColumn> column
 ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
                       Derivatives derivatives = Derivatives::with);
 
+// Springs and dampers along the surfaces at a depth: their stiffness and damping are those of the column
+// times these factors. Changes are per depth.
+struct AlongFactors {
+  double stiffness = 1, damping = 1, stiffer = 0;
+  double stiffness_change = 0, damping_change = 0, stiffer_change = 0;
+};
+AlongFactors along_factors(const ContactLaw& law, const ContactColumn& column, double depth);
+
 // Radius R* of the rolling friction at a feature [m]; 0: none of its surfaces is round.
 double rolling_radius(const ContactFeature& feature);
 
@@ -58,12 +77,15 @@ struct ContactMotion {
   double gap = 0, gap_rate = 0;                            // [m], [m/s]
   Vector3d stretch = Vector3d::Zero(), sliding = stretch;  // along the surfaces [m], [m/s]
   Vector3d bend = Vector3d::Zero(), rolling = bend;        // across the normal [rad], [rad/s]
+  Vector3d last_stretch = stretch, last_bend = bend;       // at the begin of the step [m], [rad]
 };
 // Power of the force and moment at a point on the two links: negative where the point stores or dissipates
 // energy [W].
 double power(const Model& model, const ContactColumn& column, const ContactMotion& motion);
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);
+// Duration of half a period of a spring of that law at a depth [s].
+double half_period(const ContactLaw& law, double mass, double depth);
 // Largest depth of an impact of that mass at that rate, without damping [m].
 double impact_depth(const ContactLaw& law, double mass, double rate);
 

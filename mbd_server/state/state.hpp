@@ -29,17 +29,22 @@ struct ContactRow {
     entry_rate,           // at which the shapes approached each other then [m/s]
     entry_time,           // [s]
     period,               // duration of an impact at that rate [s]; 0: it does not limit the steps
-    stiffness,            // of the tangential spring [N/m]
-    damping,              // beside it [N s/m]
+    stiffness,            // of the tangential spring [N/m]; Hertz: over depth^1/2 [N/m^3/2]
+    damping,              // beside it [N s/m]; Hertz: over depth^1/4 [N s/m^5/4]
     rolling_radius,       // R* [m]; 0: no rolling friction
-    rolling_stiffness,    // [N m/rad]
-    rolling_damping,      // [N m s/rad]
+    rolling_stiffness,    // [N m/rad]; Hertz: over depth^1/2
+    rolling_damping,      // [N m s/rad]; Hertz: over depth^1/4
     on_a,                 // end of that spring on link a, frame of the link [m] (3)
     on_b = on_a + 3,      // on link b, likewise (3)
     roll_a = on_b + 3,    // unit vectors whose difference is the stretch of the rolling spring: on link a,
     roll_b = roll_a + 3,  // frame of the link (3), and on link b, likewise (3)
+    // Hertz, where the springs change with the depth: depth at the begin of the step [m], and stretches of
+    // the two springs there, frame of link a: [m] (3), [rad] (3).
+    last_depth = roll_b + 3,
+    last_stretch,
+    last_bend = last_stretch + 3,
     // The feature that touches (contact/features.hpp).
-    shape_a = roll_b + 3,
+    shape_a = last_bend + 3,
     shape_b,
     kind,
     code,

@@ -88,7 +88,8 @@ void BodyContacts::integrate_wrenches(State& state, double h) {
 
 BodyContacts::Exchange BodyContacts::exchange_of(const ContactForce& f) {
   const double gap_rate = f.n.dot(f.velocity);
-  return {{f.gap, gap_rate, f.stretch, f.velocity - gap_rate * f.n, f.bend, f.rolling},
+  return {{f.gap, gap_rate, f.stretch, f.velocity - gap_rate * f.n, f.bend, f.rolling, f.last_stretch,
+           f.last_bend},
           f.power(),
           f.energy,
           f.slides,
@@ -118,6 +119,8 @@ double BodyContacts::work(const ContactColumn& column, const Exchange& begin, co
   between(m0.gap, m1.gap, m0.gap_rate, m1.gap_rate, middle.gap, middle.gap_rate);
   between(m0.stretch, m1.stretch, m0.sliding, m1.sliding, middle.stretch, middle.sliding);
   between(m0.bend, m1.bend, m0.rolling, m1.rolling, middle.bend, middle.rolling);
+  middle.last_stretch = 0.5 * (m0.last_stretch + m1.last_stretch);
+  middle.last_bend = 0.5 * (m0.last_bend + m1.last_bend);
   return h / 6 * (begin.power + 4 * power(model_, column, middle) + end.power);
 }
 
@@ -147,6 +150,7 @@ void BodyContacts::accept(State& state, double h) {
     }
     kept.push_back(index);
     const Exchange& end = at_end_[static_cast<std::size_t>(index)];
+    if (law.hertz) column[ContactRow::period] = period(column, -f.gap);
     const double since = state.time - column[ContactRow::entry_time],
                  entry_rate = since <= column[ContactRow::period] ? column[ContactRow::entry_rate] : 0;
     if (is_impact(state, column, end))
@@ -157,6 +161,7 @@ void BodyContacts::accept(State& state, double h) {
 
     const double stored =
         normal_energy(law, -f.gap) + move_spring(f, column) + move_rolling_spring(f, column);
+    if (law.hertz) column[ContactRow::last_depth] = -f.gap;
     lose(begin.energy - stored - done, shape_a, shape_b);
   }
   keep(state, kept);
@@ -175,12 +180,15 @@ double BodyContacts::move_spring(const ContactForce& f, Eigen::Ref<ContactColumn
                      &b = model_.contact.shape(static_cast<int>(column[ContactRow::shape_b]));
   const LinkMotion &link_a = links[static_cast<std::size_t>(a.link)],
                    &link_b = links[static_cast<std::size_t>(b.link)];
-  const double stiffness = column[ContactRow::stiffness];
+  const ContactLaw law = model_.contact.law(static_cast<int>(column[ContactRow::shape_a]),
+                                            static_cast<int>(column[ContactRow::shape_b]));
+  const AlongFactors along = along_factors(law, column, -f.gap);
+  const double stiffness = along.stiffness * column[ContactRow::stiffness];
   const bool slips = f.slides || f.normal == 0;
-  Vector3d stretch = f.stretch;
+  Vector3d stretch = f.spring_stretch();
   if (slips) {
     const Vector3d v_t = f.velocity - f.n.dot(f.velocity) * f.n;
-    stretch = left_over(f.friction, column[ContactRow::damping] * v_t, stiffness);
+    stretch = left_over(f.friction, along.damping * column[ContactRow::damping] * v_t, stiffness);
   }
   const Vector3d away = f.p - link_a.point(column.segment<3>(ContactRow::on_a));
   const double radius = std::max(a.radius, b.radius);
@@ -188,23 +196,41 @@ double BodyContacts::move_spring(const ContactForce& f, Eigen::Ref<ContactColumn
   if (slips || has_rolled) {
     column.segment<3>(ContactRow::on_a) = in_link(link_a, f.p);
     column.segment<3>(ContactRow::on_b) = in_link(link_b, f.p + stretch);
+  } else if (f.stiffer > 0) {
+    const Vector3d on_b = link_b.point(column.segment<3>(ContactRow::on_b));
+    column.segment<3>(ContactRow::on_b) = in_link(link_b, on_b - f.stiffer * f.last_stretch);
   }
+  if (law.hertz) column.segment<3>(ContactRow::last_stretch) = link_a.R_WL.transpose() * stretch;
   return 0.5 * stiffness * stretch.squaredNorm();
 }
 
 // The same for the spring of rolling friction.
 double BodyContacts::move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const {
-  const double stiffness = column[ContactRow::rolling_stiffness];
-  if (!(stiffness > 0)) return 0;
+  if (!(column[ContactRow::rolling_stiffness] > 0)) return 0;
+  const ContactLaw law = model_.contact.law(static_cast<int>(column[ContactRow::shape_a]),
+                                            static_cast<int>(column[ContactRow::shape_b]));
+  const AlongFactors along = along_factors(law, column, -f.gap);
+  const double stiffness = along.stiffness * column[ContactRow::rolling_stiffness];
   const LinkMotion &a = link_of(model_, static_cast<int>(column[ContactRow::shape_a]), system_.links()),
                    &b = link_of(model_, static_cast<int>(column[ContactRow::shape_b]), system_.links());
   const bool slips = f.rolls || f.normal == 0;
   const Vector3d bend =
-      slips ? left_over(f.torque, column[ContactRow::rolling_damping] * f.rolling, stiffness) : f.bend;
+      slips ? left_over(f.torque, along.damping * column[ContactRow::rolling_damping] * f.rolling, stiffness)
+            : f.spring_bend();
   const Vector3d direction = a.R_WL * column.segment<3>(ContactRow::roll_a);
-  if (slips || (direction - f.n).norm() > turned)
+  if (slips || f.stiffer > 0 || (direction - f.n).norm() > turned)
     set_rolling_spring(f.n, (f.n + bend.cross(f.n)).normalized(), a, b, column);
+  if (law.hertz) column.segment<3>(ContactRow::last_bend) = a.R_WL.transpose() * bend;
   return 0.5 * stiffness * bend.squaredNorm();
+}
+
+// Of an impact as deep as the point was at the most, now or before [s].
+double BodyContacts::period(const ContactColumn& column, double depth) const {
+  const double before = column[ContactRow::period];
+  const ContactLaw law = model_.contact.law(static_cast<int>(column[ContactRow::shape_a]),
+                                            static_cast<int>(column[ContactRow::shape_b]));
+  if (!law.hertz || !(depth > 0)) return before;
+  return std::min(before, half_period(law, column[ContactRow::mass], depth));
 }
 
 // Whether steps resolve an impact of this point: for its duration, and for as long as it bounces after that.

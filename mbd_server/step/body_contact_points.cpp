@@ -2,7 +2,6 @@
 // that touch anew enter.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mbd_server/step/body_contacts.hpp"
 
@@ -253,16 +252,16 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   const auto& links = system_.links();
   const Touch t = touch(model_, feature, links, Derivatives::without);
   const double depth = std::max(-t.gap, impact_depth(law, entry.mass, entry.rate));
-  // Secant stiffness of the impact; a contact that begins at rest gets that of a depth of the tolerance.
-  const double reached = std::max(depth, tolerance_);
-  const double stiffness = law.hertz ? 1.5 * law.stiffness * std::sqrt(reached) : law.stiffness;
+  // Hertz: over depth^1/2.
+  const double stiffness = law.hertz ? 1.5 * law.stiffness : law.stiffness;
   candidate.column = index;
   ContactColumn column = ContactColumn::Zero();
   set_feature(feature, column);
   column[ContactRow::mass] = entry.mass;
   column[ContactRow::entry_rate] = entry.rate;
   column[ContactRow::entry_time] = state.time;
-  column[ContactRow::period] = std::numbers::pi * std::sqrt(entry.mass / stiffness);
+  // A contact that begins at rest gets the period at a depth of the tolerance, until it is deeper.
+  column[ContactRow::period] = half_period(law, entry.mass, std::max(depth, tolerance_));
   // Without friction nothing is held along the surfaces, and no spring stores energy there.
   const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
   column[ContactRow::stiffness] = ratio * stiffness;

@@ -232,7 +232,7 @@ double BodyContacts::resolving_step(const State& state) const {
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
     if (const Exchange& now = at_end_[static_cast<std::size_t>(k)];
         vibrates(state.contacts.col(k), now) || is_impact(state, state.contacts.col(k), now))
-      longest = std::min(longest, state.contacts(ContactRow::period, k) / steps_per_vibration);
+      longest = std::min(longest, period(state.contacts.col(k), -now.motion.gap) / steps_per_vibration);
   return longest;
 }
 

@@ -172,6 +172,7 @@ class BodyContacts {
   static constexpr double steps_per_contact = 32;    // of the duration of an impact
   static constexpr double steps_per_vibration = 16;  // of half a period of a contact that vibrates
   static constexpr double growth = 2;                // of the steps after a contact
+  double period(const ContactColumn& column, double depth) const;
   double impact_step(const ContactColumn& column, double since, double rate) const;
   // Sets the directions of the rolling spring, given in the world, on the two links.
   static void set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,

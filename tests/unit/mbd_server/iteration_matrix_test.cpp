@@ -238,7 +238,7 @@ scene::Scene touching(scene::Geometry a, scene::Geometry b, Vec3d apart, bool he
   scene::Scene scene = machines::empty();
   scene.contact.emplace();
   scene.contact->materials = {{"stuff", 200, 0, 0, .6, friction}};
-  if (hertz) scene.contact->materials[0] = {"stuff", {}, 2000, .3, .6, friction};
+  if (hertz) scene.contact->materials[0] = {"stuff", {}, 2000, .3, .6, friction, friction};
   const auto add = [&](const char* name, Vec3d position, scene::Geometry geometry) {
     scene::Shape shape;
     shape.name = name;
@@ -267,6 +267,15 @@ void touch_all(Differences& d) {
     column[ContactRow::mass] = .5, column[ContactRow::entry_rate] = 3;
     column[ContactRow::stiffness] = 60, column[ContactRow::damping] = 2;
     column.segment<3>(ContactRow::on_a) = d.any(3, .1), column.segment<3>(ContactRow::on_b) = d.any(3, .3);
+    // The springs of Hertz's law have become stiffer since the begin of the step.
+    if (d.model.contact.laws[0].hertz) {
+      column[ContactRow::last_depth] = .02, column.segment<3>(ContactRow::last_stretch) = d.any(3, .3);
+      column[ContactRow::rolling_radius] = .4;
+      column[ContactRow::rolling_stiffness] = 5, column[ContactRow::rolling_damping] = .2;
+      column.segment<3>(ContactRow::roll_a) = d.any(3, 1),
+      column.segment<3>(ContactRow::roll_b) = d.any(3, 1);
+      column.segment<3>(ContactRow::last_bend) = d.any(3, .3);
+    }
     d.state.contacts.col(k) = column;
   }
 }

@@ -1,0 +1,57 @@
+// The law of contact between bodies: Hertz with friction, against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/verification/mbd/contact_machines.hpp"
+
+namespace tandem::mbd {
+namespace {
+
+using namespace contacts;
+
+// A table of 300 kg on three balls of radius 0.1 m, a distance above the floor, that a force pushes along x
+// from 0.5 s to 1 s up to a fifth of its weight. Friction holds it: each foot gives way by T / k_t, with
+// Mindlin's k_t = 2 (1 - nu) / (2 - nu) dN/dd at the depth under its weight.
+TEST(ContactLaw, HertzFeetStickByMindlinsStiffness) {
+  constexpr double mass = 300, young = 1e8, nu = 0.3, radius = 0.1;
+  for (const double above : {0., 1e-3}) {
+    ContactScene s;
+    s.add_floor();
+    s.material() = {"stuff", {}, young, nu, 0.1, 0.6};
+    const BodyId table = s.add("table", mass, {10, 10, 10}, {0, 0, radius + above}, scene::SphereShape{radius});
+    s.scene.shapes.clear();
+    for (int i = 0; i < 3; ++i) {
+      scene::Shape foot;
+      foot.name = "foot" + std::to_string(i);
+      foot.use = scene::ShapeUse::contact;
+      foot.body = table;
+      foot.contact_material = 0;
+      foot.is_of_body = true;
+      foot.geometry = scene::SphereShape{radius};
+      const double angle = 2 * std::numbers::pi / 3 * i;
+      foot.pose.p_WB = {0.5 * std::cos(angle), 0.5 * std::sin(angle), 0};
+      s.scene.shapes.push_back(foot);
+    }
+    const double push = 0.2 * mass * g;
+    scene::BodyLoad load;
+    load.name = "push", load.kind = scene::BodyLoad::Kind::force, load.body = table;
+    load.direction = {1, 0, 0};
+    load.size = scene::RampMotion{0, push, 0.5, 0.5};
+    s.scene.mbd->forces.push_back(load);
+    ContactRun run(s.scene, 0.005);
+    run.advance(100);
+    const double before = run.position().x;
+    run.advance(300);
+    const double N = mass * g / 3, k = 4. / 3 * young / (2 * (1 - nu * nu)) * std::sqrt(radius),
+                 depth = std::pow(N / k, 2. / 3), k_t = 2 * (1 - nu) / (2 - nu) * 1.5 * k * std::sqrt(depth),
+                 shift = push / 3 / k_t;
+    expect_near("feet start " + std::to_string(above) + " m above the floor: depth", radius - run.position().z, depth,
+                1e-4 * depth);
+    expect_near("shift", run.position().x - before, shift, 0.01 * shift);
+  }
+}
+
+}  // namespace
+}  // namespace tandem::mbd
