@@ -76,6 +76,11 @@ double normal_stiffness(const ContactLaw& law, double depth) {
   return law.hertz ? 1.5 * law.stiffness * std::sqrt(depth) : law.stiffness;
 }
 
+double depth_of(const ContactLaw& law, double force) {
+  const double ratio = force / law.stiffness;
+  return law.hertz ? std::cbrt(ratio * ratio) : ratio;
+}
+
 double half_period(const ContactLaw& law, double mass, double depth) {
   return std::numbers::pi * std::sqrt(mass / normal_stiffness(law, depth));
 }

@@ -84,6 +84,8 @@ struct ContactMotion {
 double power(const Model& model, const ContactColumn& column, const ContactMotion& motion);
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);
+// Depth at which the spring has that force [m].
+double depth_of(const ContactLaw& law, double force);
 // Duration of half a period of a spring of that law at a depth [s].
 double half_period(const ContactLaw& law, double mass, double depth);
 // Largest depth of an impact of that mass at that rate, without damping [m].

@@ -240,6 +240,25 @@ void Dynamics::apply_contacts(const State& state) {
                          moving_contacts_.end());
 }
 
+bool Dynamics::is_fine(const VectorXd& dx) const {
+  const auto displacement = [&](LinkIndex link) {
+    Vector6d X = Vector6d::Zero();
+    for (; link > 0; link = model_.links[link].parent)
+      for (int j = 0; j < model_.links[link].freedoms(); ++j)
+        X += links_[link].S.col(j) * dx[model_.links[link].u + j];
+    return X;
+  };
+  for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
+    const double finest = contacts_(ContactRow::finest, k);
+    if (finest == 0) continue;
+    const auto [a, b] = links_of_contact(k);
+    const Touch t = touch(model_, feature_of(contacts_.col(k)), links_, Derivatives::without);
+    const Vector6d X = displacement(b) - displacement(a);
+    if (!(std::abs(t.n.dot(at_point(X, t.p))) <= finest)) return false;
+  }
+  return true;
+}
+
 std::pair<LinkIndex, LinkIndex> Dynamics::links_of_contact(Eigen::Index k) const {
   return {model_.contact.shape(static_cast<int>(contacts_(ContactRow::shape_a, k))).link,
           model_.contact.shape(static_cast<int>(contacts_(ContactRow::shape_b, k))).link};

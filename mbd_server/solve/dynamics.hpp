@@ -67,6 +67,10 @@ class Dynamics {
   const VectorXd& states() const { return z_; }
   const VectorXd& state_rates() const { return zdot_; }
 
+  // Whether an increment changes the gap of each stiff contact of the last residual() by less than
+  // ContactRow::finest.
+  bool is_fine(const VectorXd& dx) const;
+
   // Pairs of moving links in contact in the last residual(), sorted.
   const std::vector<std::pair<LinkIndex, LinkIndex>>& links_in_contact() const { return moving_contacts_; }
 

@@ -38,6 +38,7 @@ class MachineSystem final : public System {
   }
   void shrink(VectorXd& lambda) override { elimination_.shrink(lambda); }
   double norm(const VectorXd& dx) const override;
+  bool is_fine(const VectorXd& dx) const override { return dynamics_.is_fine(dx); }
   const VectorXd& states() const override { return dynamics_.states(); }
   const VectorXd& state_rates() const override { return dynamics_.state_rates(); }
   double state_norm(const VectorXd& dz) const override;

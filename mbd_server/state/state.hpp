@@ -28,6 +28,7 @@ struct ContactRow {
     mass,                 // that the point feels as the contact begins [kg]; 0: no contact
     entry_rate,           // at which the shapes approached each other then [m/s]
     entry_time,           // [s]
+    finest,               // length to which Newton's method finds the gap [m]; 0: its own tolerance does
     period,               // duration of an impact at that rate [s]; 0: it does not limit the steps
     stiffness,            // of the tangential spring [N/m]; Hertz: over depth^1/2 [N/m^3/2]
     damping,              // beside it [N s/m]; Hertz: over depth^1/4 [N s/m^5/4]

@@ -63,6 +63,9 @@ class System {
   virtual void shrink(VectorXd& lambda) = 0;
   // Size of an increment, each coordinate relative to its scale [-].
   virtual double norm(const VectorXd& dx) const = 0;
+  // Whether the forces hardly change with an increment that norm() finds small: a root of Newton's method is
+  // one where this holds as well.
+  virtual bool is_fine(const VectorXd&) const { return true; }
   // The coordinate with the largest increment, in the user's words.
   virtual std::string worst(const VectorXd& dx) const = 0;
   // A possible reason, at the last factorise(), why Newton's method does not converge, in the user's words;

@@ -14,6 +14,8 @@ constexpr double same_place = 0.05;
 // shape's size: two that are nearer would bear as one, with twice the stiffness.
 constexpr double merged = 1e-4;
 constexpr Eigen::Index part_of_another = -2;  // of such a point, in column_of_
+// Newton's method finds the depth of a contact to this share of that under the weight that the point feels.
+constexpr double resolved = 1e-3;
 
 }  // namespace
 
@@ -54,14 +56,14 @@ void BodyContacts::find(State& state, double h) {
       const ContactFeature& feature = features_[i];
       if (feature.kind == ContactFeature::Kind::watch) {
         watches_.push_back({candidates_.size(), std::exchange(held, {}), pair.reach, depth});
-        candidates_.push_back({feature, -1});
+        candidates_.push_back({feature, -1, tolerance(feature)});
         continue;
       }
       const Eigen::Index column = column_of_[i];
       if (column < 0 && feature.on_mesh) continue;  // its watch sees it
       if (column == part_of_another) continue;
       if (feature.on_mesh) held.push_back(candidates_.size());
-      candidates_.push_back({feature, column});
+      candidates_.push_back({feature, column, tolerance(feature)});
       if (column < 0) continue;
       taken[static_cast<std::size_t>(column)] = true;
       turned_ |= follow(state, feature, column);
@@ -147,8 +149,9 @@ bool BodyContacts::enter_all(State& state, bool at_start) {
       continue;
     double rate = 0;
     const double distance = gap(model_, candidates_[i].feature, links, &rate);
-    if (!(distance <= tolerance_)) continue;
-    if (rate > 0 && distance >= -tolerance_) continue;
+    const double near = candidates_[i].tolerance;
+    if (!(distance <= near)) continue;
+    if (rate > 0 && distance >= -near) continue;
     expect_round_side(candidates_[i].feature, distance);
     entries_.push_back({i, std::max(0.0, -rate)});
     entries_.back().faint =
@@ -262,6 +265,10 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   column[ContactRow::entry_time] = state.time;
   // A contact that begins at rest gets the period at a depth of the tolerance, until it is deeper.
   column[ContactRow::period] = half_period(law, entry.mass, std::max(depth, tolerance_));
+  const double under_weight = depth_of(law, entry.mass * model_.gravity.norm()),
+               finest = std::max(resolved * under_weight, least_),
+               by_norm = tolerance_ * std::sqrt(static_cast<double>(model_.freedoms));
+  if (under_weight > 0 && finest < by_norm) column[ContactRow::finest] = finest;
   // Without friction nothing is held along the surfaces, and no spring stores energy there.
   const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
   column[ContactRow::stiffness] = ratio * stiffness;

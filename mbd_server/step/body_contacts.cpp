@@ -27,6 +27,8 @@ constexpr double off_share = 1e-3;
 // An impact is faint where its rate is that of a fall through this share of the size of the body, and its
 // material loses half of the energy in an impact: what the steps leave out does not add up then.
 constexpr double faint_fall = 1e-6, most_elastic = 0.7;
+// The begin of a contact is found to this share of the depth under the weight of the body.
+constexpr double weight_share = 0.01;
 
 }  // namespace
 
@@ -38,6 +40,7 @@ BodyContacts::BodyContacts(const Model& model, GeneralizedAlpha& method, Machine
       stops_(stops),
       stiction_(stiction),
       tolerance_(1e-10 * model.size),
+      least_(1e-14 * model.size),
       before_(state),
       unit_(VectorXd::Zero(state.u.size())),
       response_(unit_),
@@ -52,11 +55,22 @@ BodyContacts::BodyContacts(const Model& model, GeneralizedAlpha& method, Machine
     faint_energy_.push_back(shape.body == none
                                 ? HUGE_VAL
                                 : 0.5 * model.bodies[static_cast<std::size_t>(shape.body)].mass * square);
+    weights_.push_back(shape.body == none
+                           ? HUGE_VAL
+                           : model.bodies[static_cast<std::size_t>(shape.body)].mass * model.gravity.norm());
     boundary_of_.push_back(has ? static_cast<int>(found - model.boundary.begin()) : none);
     records_impulses_ = records_impulses_ || has;
   }
   if (!model.contact.empty()) impulses_.setZero(6, std::ssize(model.boundary));
   if (!model.contact.empty()) find_machines();
+}
+
+// To which begins are found: stiff shapes, which their weight presses by little, have a smaller one [m].
+double BodyContacts::tolerance(const ContactFeature& f) const {
+  const double weight =
+      std::min(weights_[static_cast<std::size_t>(f.a)], weights_[static_cast<std::size_t>(f.b)]);
+  if (!(weight > 0)) return tolerance_;
+  return std::clamp(weight_share * depth_of(model_.contact.law(f.a, f.b), weight), least_, tolerance_);
 }
 
 // Throws where two shapes overlap by more than this share of the thinner one: what they do then is no
@@ -163,13 +177,13 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
     if (is_faint(feature, std::max(std::abs(g0.rate), std::abs(g1.rate)), -g1.value)) continue;
     // The depth over the step.
     const Cubic path{-g0.value, -h * g0.rate, -g1.value, -h * g1.rate};
-    if (g1.value < -tolerance_) {
+    if (g1.value < -candidates_[column].tolerance) {
       // Shapes that have just left each other move apart first.
       const double away = g0.rate > 0 ? bisect([&](double x) { return path.slope(x); }) : 0;
       add(h * bisect(path, away), Change::begins, column);
     } else if (g0.rate < 0 && g1.rate > 0) {
       const double t = bisect([&](double x) { return -path.slope(x); });
-      if (path(t) > tolerance_) add(h * t, Change::returns, column);
+      if (path(t) > candidates_[column].tolerance) add(h * t, Change::returns, column);
     }
   }
   return first;
@@ -196,11 +210,12 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
   if (first.change == Change::follows) part = std::min(part + 0.5 * late_share * h, h);
   for (int i = 0;; ++i) {
     const double taken = repeat(state, part, stride);
-    double deepest = HUGE_VAL, rate = 0;
+    double deepest = HUGE_VAL, rate = 0, near = tolerance_;
     for (std::size_t k = 0; k < candidates_.size(); ++k)
-      if (const Gap& g = gaps_[k]; candidates_[k].column < 0 && g.value < deepest)
-        deepest = g.value, rate = g.rate;
-    if (first.change == Change::follows && deepest >= -tolerance_) {
+      if (const Gap& g = gaps_[k];
+          candidates_[k].column < 0 && g.value / candidates_[k].tolerance < deepest / near)
+        deepest = g.value, rate = g.rate, near = candidates_[k].tolerance;
+    if (first.change == Change::follows && deepest >= -near) {
       const Gap& g = gaps_[first.candidate];
       if (std::abs(g.off) <= std::max(tolerance_, off_share * -g.value) || i >= 8 || taken < part)
         return taken;
@@ -208,7 +223,7 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
       part = std::max(taken - g.since + 0.5 * late_share * h, 0.5 * taken);
       continue;
     }
-    if (first.change == Change::ends && deepest >= -tolerance_) {
+    if (first.change == Change::ends && deepest >= -near) {
       const Gap& g = gaps_[first.candidate];
       const bool ended = g.value >= 0 && g.value <= late_share * h * std::abs(g.rate);
       if (ended || i >= 8 || taken < part) return taken;
@@ -217,7 +232,7 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
       part = newton > low && newton < high ? newton : (low + high) / 2;
       continue;
     }
-    if (std::abs(deepest) <= tolerance_ || high - low <= 1e-15 * std::max(h, state.time)) return taken;
+    if (std::abs(deepest) <= near || high - low <= 1e-15 * std::max(h, state.time)) return taken;
     // The shapes do not meet after all.
     if (i == 0 && first.change == Change::returns && deepest > 0) return repeat(state, h, stride);
     (deepest < 0 ? high : low) = taken;

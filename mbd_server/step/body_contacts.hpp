@@ -1,8 +1,9 @@
 // Contacts between bodies. As stops of joints (stop_contacts.hpp), they are events of the motion:
 //
 // - a step that would pass the begin of a contact is repeated so that it ends there, to 1e-10 of the size of
-//   the system; a step that would pass an end is repeated so that it ends there to 1 % of its length: a force
-//   that falls to zero within a step would give more impulse than it has;
+//   the system, and to 1 % of the depth under the weight of the body; a step that would pass an end is
+//   repeated so that it ends there to 1 % of its length: a force that falls to zero within a step would give
+//   more impulse than it has;
 // - for the duration of an impact, and for some more while the point bounces, steps are a part of that
 //   duration, and grow after it; they do so again where loads make a contact vibrate, and a longer step is
 //   repeated;
@@ -118,6 +119,7 @@ class BodyContacts {
   struct Candidate {
     ContactFeature feature;
     Eigen::Index column = -1;  // of State::contacts; -1: it does not touch
+    double tolerance = 0;      // of its gap [m]
   };
   using Gaps = std::vector<Gap>;
 
@@ -136,6 +138,7 @@ class BodyContacts {
   void expect_outside() const;
   void expect_round_side(const ContactFeature& feature, double gap) const;
   bool follow(State& state, const ContactFeature& feature, Eigen::Index column);
+  double tolerance(const ContactFeature& feature) const;
   void shorten(State& state, const ContactColumn& column);
   double faint_square(int a, int b) const;
   bool is_faint(const ContactFeature& feature, double rate, double depth) const;
@@ -198,7 +201,8 @@ class BodyContacts {
   StopContacts::Mark stops_before_;
   StictionCounters stiction_before_;
   double requested_ = 0, energy_scale_ = 0;
-  double tolerance_ = 0;  // of a gap [m]
+  double tolerance_ = 0;  // of a gap, where the contact is not stiff [m]
+  double least_ = 0;      // round-off of a gap [m]
   BodyContactCounters counters_;
   double lost_ = 0;              // [J]
   std::vector<double> lost_of_;  // share of each output [J]
@@ -207,6 +211,7 @@ class BodyContacts {
   // Square of the rate below which an impact of that shape is faint, and the energy then; none: it is on the
   // ground [m2/s2], [J] (shapes).
   std::vector<double> faint_square_, faint_energy_;
+  std::vector<double> weights_;   // of the body of each shape; infinite: ground [N] (shapes)
   std::vector<int> boundary_of_;  // boundary body of each shape; none: it has none (shapes)
   bool records_impulses_ = false;
   Wrenches at_begin_wrench_, at_end_wrench_, impulses_;

@@ -84,7 +84,8 @@ void BodyContacts::enter_watched(Watch& watch, bool at_start) {
   for (const ContactFeature& f : features_) {
     double rate = 0;
     const double distance = gap(model_, f, system_.links(), &rate);
-    if (!(distance <= tolerance_) || (rate > 0 && distance >= -tolerance_)) continue;
+    const double near = tolerance(f);
+    if (!(distance <= near) || (rate > 0 && distance >= -near)) continue;
     if (!at_start && f.radius_a > 0 && -distance > from_behind * thickness_at(model_, f))
       throw Error(ErrorCode::numerics,
                   fmt::format("{} comes to {} from behind its surface, and is {:.3g} m deep in it",
@@ -93,7 +94,7 @@ void BodyContacts::enter_watched(Watch& watch, bool at_start) {
                   "a surface is touched from the side of its normals only: make the mesh closed, or turn it");
     watch.held.push_back(candidates_.size());
     entries_.push_back({candidates_.size(), std::max(0.0, -rate)});
-    candidates_.push_back({f, -1});
+    candidates_.push_back({f, -1, tolerance(f)});
   }
 }
 

@@ -350,7 +350,7 @@ bool GeneralizedAlpha::correct(System& system, State& state, double h, Trust tru
 
     last = norm;
     norm = last_norm_ = system.norm(dx_);
-    if (norm <= newton_.tolerance) {
+    if (norm <= newton_.tolerance && system.is_fine(dx_)) {
       if (constrained) system.shrink(state.lambda);
       return true;
     }

@@ -1,8 +1,10 @@
-// The law of contact between bodies: Hertz with friction, against closed forms.
+// Contacts between bodies against closed forms: friction with Hertz, and stiff contacts at rest.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "tests/verification/mbd/contact_machines.hpp"
 
@@ -20,7 +22,8 @@ TEST(ContactLaw, HertzFeetStickByMindlinsStiffness) {
     ContactScene s;
     s.add_floor();
     s.material() = {"stuff", {}, young, nu, 0.1, 0.6};
-    const BodyId table = s.add("table", mass, {10, 10, 10}, {0, 0, radius + above}, scene::SphereShape{radius});
+    const BodyId table =
+        s.add("table", mass, {10, 10, 10}, {0, 0, radius + above}, scene::SphereShape{radius});
     s.scene.shapes.clear();
     for (int i = 0; i < 3; ++i) {
       scene::Shape foot;
@@ -47,9 +50,35 @@ TEST(ContactLaw, HertzFeetStickByMindlinsStiffness) {
     const double N = mass * g / 3, k = 4. / 3 * young / (2 * (1 - nu * nu)) * std::sqrt(radius),
                  depth = std::pow(N / k, 2. / 3), k_t = 2 * (1 - nu) / (2 - nu) * 1.5 * k * std::sqrt(depth),
                  shift = push / 3 / k_t;
-    expect_near("feet start " + std::to_string(above) + " m above the floor: depth", radius - run.position().z, depth,
-                1e-4 * depth);
+    expect_near("feet start " + std::to_string(above) + " m above the floor: depth",
+                radius - run.position().z, depth, 1e-4 * depth);
     expect_near("shift", run.position().x - before, shift, 0.01 * shift);
+  }
+}
+
+// A ball falls 10 mm on a stiff floor and comes to rest there, while a heavy pendulum of 20 m swings. The
+// depth under its weight is 1e-8 m and less: a part of 1e-10 of the size of this machine and of Newton's
+// tolerance.
+TEST(ContactLaw, StiffContactComesToRestBesideAHeavyPendulum) {
+  for (const auto& [stiffness, step] : {std::pair{1e9, 1e-3}, {1e10, 5e-3}, {1e11, 1e-3}}) {
+    ContactScene s;
+    s.add_floor();
+    s.add_ball("ball", 1, 0.1, {0, 0, 0.11});
+    s.material() = {"stuff", stiffness, 0, 0, 0.3, 0.5};
+    const BodyId pendulum = machines::add_body(s.scene, "pendulum", 1000, {100, 100, 100}, {20, 0, 20});
+    machines::add_joint(s.scene, "pivot", scene::JointType::revolute, ground, pendulum, {10, 0, 30}).axis = {
+        0, 1, 0};
+    ContactRun run(s.scene, step);
+    run.advance(static_cast<int>(1 / step));
+    double highest = -1, lowest = 1;
+    for (int i = 0; i < static_cast<int>(2 / step); ++i) {
+      run.advance(1);
+      const double depth = 0.1 - run.position().z;
+      highest = std::max(highest, depth), lowest = std::min(lowest, depth);
+    }
+    const double depth = g / stiffness;
+    expect_near("least depth at rest, stiffness " + std::to_string(stiffness), lowest, depth, 0.01 * depth);
+    expect_near("largest depth at rest", highest, depth, 0.01 * depth);
   }
 }
 
