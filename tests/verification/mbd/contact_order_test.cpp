@@ -47,7 +47,8 @@ void expect_order(const OrderCase& c) {
     std::printf("  %-34s error_tolerance %.0e steps %6.0f error %.2e m\n", c.name, tolerance, steps, error);
   }
   const double order = std::log(first / error) / std::log(steps / fewest);
-  std::printf("  %-34s order over the steps: expected at least %.1f measured %.2f\n", c.name, c.least_order, order);
+  std::printf("  %-34s order over the steps: expected at least %.1f measured %.2f\n", c.name, c.least_order,
+              order);
   EXPECT_GE(order, c.least_order) << c.name;
 }
 
@@ -70,13 +71,15 @@ double way_of(ContactRun& run) {
 // A ball of 1 kg on a spring k that falls and rises without loss: d(t) = mg/k (1 - cos wt) + v/w sin wt while
 // it is in contact.
 double bounced(double fall, double k, double time) {
-  const double w = std::sqrt(k), v = std::sqrt(2 * g * fall), in_contact = 2 * (std::numbers::pi - std::atan(v * w / g)) / w,
+  const double w = std::sqrt(k), v = std::sqrt(2 * g * fall),
+               in_contact = 2 * (std::numbers::pi - std::atan(v * w / g)) / w,
                t = std::fmod(time - v / g, in_contact + 2 * v / g) - in_contact;
   return v * t - 0.5 * g * t * t;
 }
 
 TEST(ContactOrder, BallBouncesWithoutLoss) {
-  expect_order({"ball bounces, restitution 1", ball_on_floor(0.2, 1, 0, {}), 1, height_of, bounced(0.2, 1e6, 1)});
+  expect_order(
+      {"ball bounces, restitution 1", ball_on_floor(0.2, 1, 0, {}), 1, height_of, bounced(0.2, 1e6, 1)});
 }
 
 TEST(ContactOrder, BallBouncesWithLoss) {
@@ -92,12 +95,13 @@ TEST(ContactOrder, TwoBallsCollide) {
   s.material() = {"stuff", k, 0, 0, 1, 0};
   const double in_contact = std::numbers::pi * std::sqrt(m1 * m2 / (m1 + m2) / k), met = apart / v,
                centre = m1 * v / (m1 + m2), after = v * (m1 - m2) / (m1 + m2);
-  expect_order({"two balls collide", s, end, way_of,
-                apart + centre * in_contact + after * (end - met - in_contact)});
+  expect_order(
+      {"two balls collide", s, end, way_of, apart + centre * in_contact + after * (end - met - in_contact)});
 }
 
-// It stops after v^2 / (2 mu g), and the springs of friction of its four corners take it back by their stretch;
-// that friction tilts it by 4e-6 rad is left out there. The method integrates constant forces without an error.
+// It stops after v^2 / (2 mu g), and the springs of friction of its four corners take it back by their
+// stretch; that friction tilts it by 4e-6 rad is left out there. The method integrates constant forces
+// without an error.
 TEST(ContactOrder, BoxSlidesToAStop) {
   constexpr double k = 1e6, mu = 0.3;
   OrderCase c{"box slides to a stop", ContactScene(), 0.5, way_of};

@@ -16,7 +16,8 @@ scene::Geometry shape_of(int kind) {
     case 2:
       return scene::BoxShape{{0.2, 0.24, 0.16}, {}};
     case 3:
-      return scene::HullShape{{{0, 0, -.1}, {.1, .03, .06}, {-.1, .04, .06}, {0, -.1, .08}, {.02, .05, .12}}, {}, 1};
+      return scene::HullShape{
+          {{0, 0, -.1}, {.1, .03, .06}, {-.1, .04, .06}, {0, -.1, .08}, {.02, .05, .12}}, {}, 1};
     default:
       scene::CylinderShape c;
       c.radius = 0.1, c.height = 0.1;
@@ -38,7 +39,8 @@ TEST(MeshSides, EveryShapeFromBehindIsRefused) {
           s.add_ground("hills", field(4, 4, 40, 40, [](double x, double y) {
                          return 0.02 * std::sin(5 * x) * std::cos(4 * y);
                        }));
-        const BodyId body = s.add("body", 1, {4e-3, 5e-3, 6e-3}, {0.03, 0.02, -0.3 - 0.07 * i}, shape_of(kind));
+        const BodyId body =
+            s.add("body", 1, {4e-3, 5e-3, 6e-3}, {0.03, 0.02, -0.3 - 0.07 * i}, shape_of(kind));
         s.body(body).pose.q_WB = kind == 4 ? exp(Vec3d{1.5, 0.1 * i, 0}) : test::random_rotation(random);
         s.body(body).twist.v_WB = {0, 0, speed};
         const std::string said = refusal_of(s, 80, 1e-2);
@@ -81,7 +83,8 @@ TEST(MeshSides, WhatFallsOverAnEdgeIsNotBehind) {
     }
 }
 
-// Whatever the phase of its steps, a fast ball bounces: also where a step would end with its centre on a face.
+// Whatever the phase of its steps, a fast ball bounces: also where a step would end with its centre on a
+// face.
 TEST(MeshSides, AFastBallBouncesAtEveryPhase) {
   std::mt19937_64 random(3);
   const test::RigidMotion turned(test::random_rotation(random), {0, 0, 0}, {0.3, -2, 1});
@@ -89,7 +92,8 @@ TEST(MeshSides, AFastBallBouncesAtEveryPhase) {
   double worst = 0;
   const auto bounce = [&](MeshScene s, double radius, double speed, double distance, Vec3d normal,
                           bool in_other_frame) {
-    const Vec3d along = std::abs(normal.z) > 0.5 ? Vec3d{0.013, 0.021, 0} : Vec3d{0.021 * normal.y, 0.021 * normal.x, 0.013};
+    const Vec3d along =
+        std::abs(normal.z) > 0.5 ? Vec3d{0.013, 0.021, 0} : Vec3d{0.021 * normal.y, 0.021 * normal.x, 0.013};
     const BodyId ball = s.add_ball("ball", 0.01, radius, distance * normal + along);
     s.body(ball).twist.v_WB = -speed * normal;
     s.material() = {"stuff", 1e9, 0, 0, 1, 0};
@@ -108,8 +112,8 @@ TEST(MeshSides, AFastBallBouncesAtEveryPhase) {
         for (int n = 0; n < 12; ++n) bounce(flat, radius, speed, 0.4 + n * 1e-3, {0, 0, 1}, other);
         for (int n = 0; n < 3; ++n) bounce(flat, radius, speed, 0.5 + 0.1 * n + radius, {0, 0, 1}, other);
       }
-    for (const Vec3d normal : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, -1, 0}, Vec3d{0, 0, 1},
-                               Vec3d{0, 0, -1}})
+    for (const Vec3d normal :
+         {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, -1, 0}, Vec3d{0, 0, 1}, Vec3d{0, 0, -1}})
       for (const double radius : {0.01, 0.2})
         for (const double distance : {0.75, 0.8, 1., 1.013, 1.5}) {
           MeshScene cube({0, 0, 0});
