@@ -54,12 +54,12 @@ struct PairTerms {
 // Terms of particle i from j; d = x_i - x_j, r2 = |d|^2 < support^2.
 //   pressure   -V_i V_j (p_i + p_j) grad W / m, the adjoint of
 //   continuity V_j (v_i - v_j) . grad W, so that the work of the one is the energy of the other
-//   viscosity  V_i V_j (30 mu / R^2) ((v_i - v_j) . d) d (1/r dW/dr) / m: central, as [MonaghanGingold1983],
-//   so
-//              that it keeps the angular momentum and a liquid that turns like a rigid body does not feel it,
-//              nor its free surface. Sum of the weights d d d d over a space full of liquid: mu (delta delta
-//              + ..), since the mean of r^2 over W is R^2/5. With d d instead of d d / r^2 the viscosity of a
-//              cubic lattice is 1.00 along its axes and 1.04 along its diagonals, instead of 0.93 and 1.10.
+//   viscosity  V_i V_j (30 mu / R^2) ((v_i - v_j) . d) d (1/r dW/dr) / m, along the line between the two as
+//              in [MonaghanGingold1983]: it keeps the angular momentum, and a liquid that turns like a rigid
+//              body does not feel it, nor does its free surface. In a space full of liquid it is mu
+//              laplace(v) / rho0, since the mean of r^2 over W is R^2 / 5. The weight d d instead of d d /
+//              r^2 makes the viscosity of a cubic lattice 1.00 along its axes and 1.04 along its diagonals,
+//              instead of 0.93 and 1.10.
 //   diffusion  2 delta h c0 (rho_j - rho_i, without the difference that belongs to the mean of the two
 //              gradients) (1/r dW/dr) V_j [Antuono2010], as differences of pressure / c0^2. The gradient is
 //              that which the momentum equation has, so that a pressure in equilibrium does not diffuse.
