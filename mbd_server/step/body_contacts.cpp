@@ -26,6 +26,8 @@ constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
 constexpr double off_share = 1e-3;
 // A ball on a mesh, and whatever is thin, moves by at most its gap and this share of the way to its middle.
 constexpr double through = 0.5;
+// A step in which a ball goes through a face is halved down to this share of it.
+constexpr double least_halved = 1e-3;
 // Steps below this share of the time make no progress; more of them in a row, and as many as there are
 // points, are an error.
 constexpr double least_progress = 1e-14;
@@ -119,7 +121,7 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   while (true) {
     taken = stride(limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h);
     measure(state, gaps_);
-    if (went_through()) {
+    if (taken > least_halved * h && went_through()) {
       limit = 0.5 * taken;
       go_back(state);
       continue;
@@ -193,7 +195,7 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
     const ContactFeature& feature = candidates_[column].feature;
     if (candidates_[column].column >= 0) {
       if (std::abs(g1.off) > std::max(tolerance_, off_share * -g1.value))
-        add(h - g1.since, Change::follows, column);
+        add(std::max(0.0, h - g1.since), Change::follows, column);  // or it was so at the begin
       if (!(g0.value < 0 && g1.value > 0) || is_faint(feature, g1.rate, -g0.value)) continue;
       const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
       const double at = bisect(path);
