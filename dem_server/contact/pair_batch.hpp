@@ -27,8 +27,8 @@ void store(const ClosePairs<Real>& close, std::uint32_t number, const PairResult
 }
 
 // one_kind: all spheres have one material and one size, so that quantities that depend on these alone need no
-// column. RowLaw: the law that an extended Law stands for in this scene. rolling: with moments against rolling;
-// the batch has neither those against twisting nor sums of the dissipated energy.
+// column. RowLaw: the law that an extended Law stands for in this scene. rolling: with moments against
+// rolling; the batch has neither those against twisting nor sums of the dissipated energy.
 template <class Law, class Real, bool one_kind, class RowLaw = Law, bool rolling = false>
 class PairBatch {
  public:
@@ -36,7 +36,8 @@ class PairBatch {
   PairBatch(const PairBatch&) = delete;
   PairBatch& operator=(const PairBatch&) = delete;
 
-  // Evaluates the close pairs with these numbers. Flattened, so that a pair goes from registers to its columns.
+  // Evaluates the close pairs with these numbers. Flattened, so that a pair goes from registers to its
+  // columns.
   template <class Tally>
   [[gnu::flatten]] void evaluate(const PairForces<Law, Real>& forces, Range numbers, Tally& tally) {
     const ClosePairs<Real>& close = forces.view.close;

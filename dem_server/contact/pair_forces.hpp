@@ -201,9 +201,8 @@ struct PairForces {
                           PairResult<Real>& r, Vec3<Real>& moment) const {
     const Parameters<Real>& p = view.parameters;
     Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
-    const Extension<Real> extension =
-        extend(view, c, p.material(state.kind(i)), m.radius, p.material(state.kind(neighbour.index())),
-               m.other_radius);
+    const Extension<Real> extension = extend(view, c, p.material(state.kind(i)), m.radius,
+                                             p.material(state.kind(neighbour.index())), m.other_radius);
     const bool existed = neighbour.in_contact();
     if (!Law::in_contact(c, m.k, p.law, existed)) return false;
     const Vec3<Real> before = spring(k, neighbour);

@@ -53,7 +53,7 @@ struct GenericLaw {
                                    bool existed) {
     if (c.overlap > 0) return true;
     return static_cast<scene::ContactLaw>(law) == scene::ContactLaw::jkr &&
-        dem::in_contact<Jkr>(c, k, existed);
+           dem::in_contact<Jkr>(c, k, existed);
   }
 
   template <class Real>
