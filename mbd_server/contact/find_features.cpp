@@ -15,8 +15,8 @@ using Points = std::vector<Vector3d>;
 constexpr double same_end = 1e-6;
 // The axis of the last step stays unless another one is better by this share of the smaller thickness.
 constexpr double hysteresis = 0.02;
-// Points of one face nearer to each other than this share of its size are one.
-constexpr double merged = 1e-4;
+// Points of one face nearer to each other than this share of its size differ by rounding.
+constexpr double same_point = 1e-8;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -316,7 +316,7 @@ class FeatureFinder {
     for (const Vector3d& p : polygon) {
       if (n.dot(p - o) > reach_) continue;
       if (std::any_of(taken.begin(), taken.end(),
-                      [&](const Vector3d& q) { return (p - q).norm() < merged * size; }))
+                      [&](const Vector3d& q) { return (p - q).norm() < same_point * size; }))
         continue;
       taken.push_back(p);
       ball_on_plane(other, other.local(p), 0, base, base.shape.points[at(corners[0])],

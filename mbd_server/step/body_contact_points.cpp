@@ -12,6 +12,10 @@ namespace {
 constexpr double same_place = 0.05;
 // Newton's method finds the depth of a contact to this share of that under the weight that the point feels.
 constexpr double resolved = 1e-3;
+// A point of a face begins to touch where those that do are farther away than this share of the smaller
+// shape's size: two that are nearer would bear as one, with twice the stiffness.
+constexpr double merged = 1e-4;
+constexpr Eigen::Index part_of_another = -2;  // of such a point, in column_of_
 
 }  // namespace
 
@@ -57,6 +61,7 @@ void BodyContacts::find(State& state, double h) {
       }
       const Eigen::Index column = column_of_[i];
       if (column < 0 && feature.on_mesh) continue;  // its watch sees it
+      if (column == part_of_another) continue;
       if (feature.on_mesh) held.push_back(candidates_.size());
       candidates_.push_back({feature, column, tolerance(feature)});
       if (column < 0) continue;
@@ -81,7 +86,7 @@ BodyContacts::Range BodyContacts::of_pair(int a, int b) const {
 }
 
 // Finds which features of the pair continue which of its points in contact: the nearest ones first, so that a
-// feature does not take the point of its neighbour.
+// feature does not take the point of its neighbour. Two points that touch stay two, however near they come.
 void BodyContacts::match(const State& state, Range points) {
   matches_.clear();
   column_of_.assign(features_.size(), -1);
@@ -102,6 +107,16 @@ void BodyContacts::match(const State& state, Range points) {
   for (const Match& m : matches_) {
     if (column_of_[m.feature] >= 0 || std::ranges::find(column_of_, m.column) != column_of_.end()) continue;
     column_of_[m.feature] = m.column;
+  }
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const ContactFeature& f = features_[i];
+    if (!f.by_place || column_of_[i] >= 0) continue;
+    const double size = std::min(model_.contact.shape(f.a).bound, model_.contact.shape(f.b).bound);
+    for (std::size_t k = 0; k < features_.size(); ++k) {
+      const bool stands = column_of_[k] >= 0 || (k < i && column_of_[k] != part_of_another);
+      if (stands && (features_[k].place_a - f.place_a).norm() < merged * size)
+        column_of_[i] = part_of_another;
+    }
   }
 }
 

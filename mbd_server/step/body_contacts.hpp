@@ -230,7 +230,7 @@ class BodyContacts {
     auto operator<=>(const Match&) const = default;
   };
   std::vector<Match> matches_;
-  std::vector<Eigen::Index> column_of_;  // -1: it does not touch (features_)
+  std::vector<Eigen::Index> column_of_;  // negative: it does not touch (features_)
   std::vector<Entry> entries_;
   std::vector<std::size_t> now_;               // entries that share a solution
   std::vector<int> machine_of_link_;           // none: ground (links)
