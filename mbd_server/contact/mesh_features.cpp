@@ -1,5 +1,6 @@
 #include "mbd_server/contact/mesh_features.hpp"
 
+#include "mbd_server/contact/mesh_back.hpp"
 #include "mbd_server/contact/rim.hpp"
 
 #include <algorithm>
@@ -26,7 +27,9 @@ class MeshFinder {
  public:
   MeshFinder(const Model& model, int a, int b, const std::vector<LinkMotion>& links, double reach,
              double depth, std::vector<ContactFeature>& out)
-      : a_(model.contact.shape(a)),
+      : model_(model),
+        links_(links),
+        a_(model.contact.shape(a)),
         b_(model.contact.shape(b)),
         mesh_(*b_.mesh),
         index_a_(a),
@@ -71,24 +74,7 @@ class MeshFinder {
   }
 
   std::optional<ContactFeature> behind(std::size_t i) const {
-    if (mesh_.closed() || !(a_.radius > 0)) return {};
-    const Vector3d c = local(a_.points[i]);
-    std::optional<ContactFeature> found;
-    double nearest = HUGE_VAL;
-    for (const int f : near_) {
-      const ContactMesh::Face& face = mesh_.face(f);
-      const double s = face.normal.dot(c - mesh_.on_face(f));
-      if (s > 0 || -s >= nearest || !above(f, c)) continue;
-      nearest = -s;
-      ContactFeature& feature = found.emplace();
-      feature.kind = ContactFeature::Kind::plane;
-      feature.a = index_a_, feature.b = index_b_;
-      feature.face = f;
-      feature.place_a = a_.points[i];
-      feature.place_b = mesh_.on_face(f);
-      feature.axis_b = -face.normal;
-    }
-    return found;
+    return on_back(model_, index_a_, index_b_, i, links_, near_);
   }
 
   void edges() {
@@ -140,13 +126,6 @@ class MeshFinder {
 
   Vector3d local(const Vector3d& p) const { return p_ + R_ * p; }
   Vector3d back(const Vector3d& p) const { return R_.transpose() * (p - p_); }
-  // Whether a point is above or below a face.
-  bool above(int f, const Vector3d& p) const {
-    const ContactMesh::Face& face = mesh_.face(f);
-    for (std::size_t k = 0; k < 3; ++k)
-      if (outward(f, face.edges[k]).dot(p - mesh_.point(face.corners[k])) > eps_) return false;
-    return true;
-  }
   // Out of face f in its plane, across its edge.
   Vector3d outward(int f, int edge) const {
     const ContactMesh::Face& face = mesh_.face(f);
@@ -184,7 +163,7 @@ class MeshFinder {
         if (distance < nearest) nearest = distance, along = u, side = k;
       }
       if (inside) {
-        if (s > 0 && s - radius <= reach_) plane_hit(f, c, radius);
+        if (s >= 0 && s - radius <= reach_) plane_hit(f, c, radius);
         continue;
       }
       if (std::sqrt(nearest) - radius > reach_) continue;
@@ -270,7 +249,7 @@ class MeshFinder {
                    gap = height - R * sine;
       if (gap > reach_ || height < 0 || !(sine > 0)) continue;
       const Vector3d p = c - R / sine * across - gap * face.normal;
-      if (above(f, p))
+      if (is_above(mesh_, f, p, eps_))
         hits_.push_back(
             {ContactFeature::Kind::rim_on_plane, gap, p, face.normal, face.normal, f, face.corners});
     }
@@ -333,7 +312,7 @@ class MeshFinder {
     for (const int f : near_) {
       const ContactMesh::Face& face = mesh_.face(f);
       const double s = face.normal.dot(c - mesh_.on_face(f));
-      if (s > reach_ || s < -std::min(2 * face.thickness, 2 * a_.thickness)) continue;
+      if (s > reach_ + 2 * eps_ || s < -std::min(2 * face.thickness, 2 * a_.thickness)) continue;
       const Vector3d p = c - s * face.normal;
       bool inside = true;
       for (std::size_t k = 0; k < 3 && inside; ++k) {
@@ -362,7 +341,7 @@ class MeshFinder {
         const bool same = meet(one, two) && one.axis.dot(two.axis) >= std::cos(ContactMesh::smooth);
         if (same && concave)
           hits_[j] = two, counts = false;
-        else if (same || (!concave && one.gap < 0 && two.gap < 0))
+        else if (same || (!concave && one.gap <= 2 * eps_ && two.gap < 0))
           counts = false;
       }
       if (counts) hits_[kept++] = hits_[k];
@@ -501,6 +480,8 @@ class MeshFinder {
     out_.push_back(f);
   }
 
+  const Model& model_;
+  const std::vector<LinkMotion>& links_;
   const ContactShape &a_, &b_;
   const ContactMesh& mesh_;
   int index_a_, index_b_;

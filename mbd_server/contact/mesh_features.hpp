@@ -39,8 +39,8 @@ inline constexpr double tilt_of_edge = 0.17;
 void find_mesh_features(const Model& model, int a, int b, const std::vector<LinkMotion>& links, double reach,
                         double depth, std::vector<ContactFeature>& features);
 
-// Adds the features of the ball of a watch at present, the nearest first. Where the ball is behind an open
-// mesh, `behind` is its centre on the back of the nearest face.
+// Adds the features of the ball of a watch at present, the nearest first. Where the body is behind an open
+// mesh, `behind` is the ball on the back of the nearest face (mesh_back.hpp).
 void watched_features(const Model& model, const ContactFeature& watch, const std::vector<LinkMotion>& links,
                       double reach, double depth, std::vector<ContactFeature>& features,
                       std::optional<ContactFeature>* behind = nullptr);

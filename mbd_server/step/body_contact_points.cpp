@@ -10,12 +10,12 @@ namespace {
 
 // A point of a face within this share of the size of its shape is the one that was there a step before.
 constexpr double same_place = 0.05;
-// Newton's method finds the depth of a contact to this share of that under the weight that the point feels.
-constexpr double resolved = 1e-3;
 // A point of a face begins to touch where those that do are farther away than this share of the smaller
 // shape's size: two that are nearer would bear as one, with twice the stiffness.
 constexpr double merged = 1e-4;
 constexpr Eigen::Index part_of_another = -2;  // of such a point, in column_of_
+// Newton's method finds the depth of a contact to this share of that under the weight that the point feels.
+constexpr double resolved = 1e-3;
 
 }  // namespace
 

@@ -24,6 +24,14 @@ constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
 // A ball on a mesh: the distance to the feature that the step holds may differ from that to the mesh by this
 // share of the depth.
 constexpr double off_share = 1e-3;
+// A ball on a mesh, and whatever is thin, moves by at most its gap and this share of the way to its middle.
+constexpr double through = 0.5;
+// A step in which a ball goes through a face is halved down to this share of it.
+constexpr double least_halved = 1e-3;
+// Steps below this share of the time make no progress; more of them in a row, and as many as there are
+// points, are an error.
+constexpr double least_progress = 1e-14;
+constexpr int most_stalled = 100;
 // An impact is faint where its rate is that of a fall through this share of the size of the body, and its
 // material loses half of the energy in an impact: what the steps leave out does not add up then.
 constexpr double faint_fall = 1e-6, most_elastic = 0.7;
@@ -104,6 +112,7 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   system_.residual(state);
   if (enter_all(state) || turned_) start_method(state);
   measure(state, gaps_before_);
+  for (Watch& watch : watches_) watch.centre = on_mesh(candidates_[watch.candidate].feature);
   before_ = state;
   stops_before_ = stops_.mark();
   stiction_before_ = stiction_.counters();
@@ -112,7 +121,14 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   while (true) {
     taken = stride(limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h);
     measure(state, gaps_);
-    if (const std::optional<Passage> first = passed(taken)) taken = cut(state, taken, *first, stride);
+    if (taken > least_halved * h && went_through()) {
+      limit = 0.5 * taken;
+      go_back(state);
+      continue;
+    }
+    const std::optional<Passage> first = passed(taken);
+    if (first) taken = cut(state, taken, *first, stride);
+    expect_progress(h, taken, first);
     record(state, at_end_, at_end_wrench_);
     const double resolving = resolving_step(state);
     if (taken <= growth * resolving) break;
@@ -125,6 +141,18 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
                "give their materials more stiffness, so that they stop each other before that");
   if (enter_all(state)) start_method(state);
   return taken;
+}
+
+// Throws where events of contacts leave no length to many steps in a row.
+void BodyContacts::expect_progress(double h, double taken, const std::optional<Passage>& first) {
+  stalled_ = first && taken <= least_progress * std::max(h, before_.time) ? stalled_ + 1 : 0;
+  if (stalled_ <= most_stalled + std::ssize(candidates_)) return;
+  const ContactFeature& f = candidates_[first->candidate].feature;
+  throw Error(ErrorCode::numerics,
+              fmt::format("{} and {} begin and end their contact without end", model_.contact.shape(f.a).name,
+                          model_.contact.shape(f.b).name),
+              "mbd.contact",
+              "give their materials a lower restitution, or move one of them a little at the start");
 }
 
 // Square of the rate below which an impact of two shapes is faint [m2/s2].
@@ -167,7 +195,7 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
     const ContactFeature& feature = candidates_[column].feature;
     if (candidates_[column].column >= 0) {
       if (std::abs(g1.off) > std::max(tolerance_, off_share * -g1.value))
-        add(h - g1.since, Change::follows, column);
+        add(std::max(0.0, h - g1.since), Change::follows, column);  // or it was so at the begin
       if (!(g0.value < 0 && g1.value > 0) || is_faint(feature, g1.rate, -g0.value)) continue;
       const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
       const double at = bisect(path);
@@ -255,9 +283,8 @@ double BodyContacts::longest_step(const State& state, double h) const {
   double longest = h;
   if (state.touch_step[0] > 0) longest = std::min(longest, state.touch_step[0]);
   for (std::size_t k = 0; k < candidates_.size() && k < gaps_before_.size(); ++k) {
-    // A body that moves by more than the gap and half the thickness may pass through.
     const ContactFeature& f = candidates_[k].feature;
-    const double room = std::max(0.0, gaps_before_[k].value) + thickness_at(model_, f);
+    const double room = std::max(0.0, gaps_before_[k].value) + through * thickness_at(model_, f);
     if (-gaps_before_[k].rate * longest > room) longest = room / -gaps_before_[k].rate;
   }
   // A rotation of a point with rolling friction is told from one in the other direction.

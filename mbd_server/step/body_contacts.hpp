@@ -126,15 +126,22 @@ class BodyContacts {
   // A ball near a mesh: its `watch` and the features with which it touches.
   struct Watch {
     std::size_t candidate = 0;
-    std::vector<std::size_t> held{};  // candidates
-    double reach = 0, depth = 0;      // [m]
+    std::vector<std::size_t> held{};     // candidates
+    double reach = 0, depth = 0;         // [m]
+    Vector3d centre = Vector3d::Zero();  // of the ball at the begin of the step, in the frame of the mesh [m]
   };
 
   void find(State& state, double h);
   double same_foot(const ContactFeature& feature) const;
   void measure_watch(const std::vector<ContactFeature>& found, Gap& gap) const;
-  void uncovered(const Watch& watch, std::vector<ContactFeature>& found, Gaps* gaps) const;
+  std::optional<ContactFeature> uncovered(const Watch& watch, std::vector<ContactFeature>& found,
+                                          Gaps* gaps) const;
   void enter_watched(Watch& watch, bool at_start);
+  void expect_in_front(const ContactFeature& back, bool at_start) const;
+  [[noreturn]] void fail_from_behind(const ContactFeature& feature, bool at_start) const;
+  Vector3d on_mesh(const ContactFeature& watch) const;
+  bool went_through() const;
+  void expect_progress(double h, double taken, const std::optional<Passage>& first);
   void expect_outside() const;
   void expect_round_side(const ContactFeature& feature, double gap) const;
   bool follow(State& state, const ContactFeature& feature, Eigen::Index column);
@@ -220,6 +227,7 @@ class BodyContacts {
   std::vector<ContactFeature> features_;
   std::vector<Candidate> candidates_;
   std::vector<Watch> watches_;
+  int stalled_ = 0;      // steps in a row without length
   bool turned_ = false;  // a ball has come to another part of a mesh, with another normal
   std::vector<OfPair> by_pair_;
   // That a feature of the pair continues a point in contact, and how far they are apart [m].

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "mbd_server/contact/mesh_features.hpp"
+#include "mbd_server/contact/touch.hpp"
 #include "mbd_server/step/body_contacts.hpp"
 
 namespace tandem::mbd {
@@ -29,13 +30,15 @@ double BodyContacts::same_foot(const ContactFeature& f) const {
 }
 
 // The features of the ball at present that are not those with which it touches. Where `gaps` is given, it
-// gets how far these are from the ones that the step holds, and the watch the distance to a face from behind.
-void BodyContacts::uncovered(const Watch& watch, std::vector<ContactFeature>& found, Gaps* gaps) const {
+// gets how far these are from the ones that the step holds, and the watch the distance to the back of a face.
+// Returns that back, where the ball is behind an open mesh and touches nothing.
+std::optional<ContactFeature> BodyContacts::uncovered(const Watch& watch, std::vector<ContactFeature>& found,
+                                                      Gaps* gaps) const {
   const auto& links = system_.links();
   found.clear();
   std::optional<ContactFeature> behind;
   watched_features(model_, candidates_[watch.candidate].feature, links, watch.reach, watch.depth, found,
-                   &behind);
+                   watch.held.empty() ? &behind : nullptr);
   if (gaps) {
     Gap& g = (*gaps)[watch.candidate];
     g = {watch.reach, 0};
@@ -69,6 +72,7 @@ void BodyContacts::uncovered(const Watch& watch, std::vector<ContactFeature>& fo
     }
     if (continued != found.end()) found.erase(continued);
   }
+  return behind;
 }
 
 // The distance of the nearest one that does not touch yet.
@@ -80,22 +84,61 @@ void BodyContacts::measure_watch(const std::vector<ContactFeature>& found, Gap& 
 }
 
 void BodyContacts::enter_watched(Watch& watch, bool at_start) {
-  uncovered(watch, features_, nullptr);
+  if (const auto back = uncovered(watch, features_, nullptr)) expect_in_front(*back, at_start);
   for (const ContactFeature& f : features_) {
     double rate = 0;
     const double distance = gap(model_, f, system_.links(), &rate);
     const double near = tolerance(f);
     if (!(distance <= near) || (rate > 0 && distance >= -near)) continue;
-    if (!at_start && f.radius_a > 0 && -distance > from_behind * thickness_at(model_, f))
-      throw Error(ErrorCode::numerics,
-                  fmt::format("{} comes to {} from behind its surface, and is {:.3g} m deep in it",
-                              model_.contact.shape(f.a).name, model_.contact.shape(f.b).name, -distance),
-                  "mbd.contact",
-                  "a surface is touched from the side of its normals only: make the mesh closed, or turn it");
+    // A corner that is no longer one of several in contact may begin deep.
+    const bool alone = f.radius_a > 0 || of_pair(std::min(f.a, f.b), std::max(f.a, f.b)).empty();
+    if (!at_start && alone && -distance > from_behind * thickness_at(model_, f)) fail_from_behind(f, false);
     watch.held.push_back(candidates_.size());
     entries_.push_back({candidates_.size(), std::max(0.0, -rate)});
     candidates_.push_back({f, -1, tolerance(f)});
   }
+}
+
+// Throws where a point touches the back of an open mesh.
+void BodyContacts::expect_in_front(const ContactFeature& back, bool at_start) const {
+  double rate = 0;
+  const double distance = gap(model_, back, system_.links(), &rate);
+  if (distance > tolerance_ || (!at_start && rate >= 0 && distance >= -tolerance_)) return;
+  fail_from_behind(back, at_start);
+}
+
+void BodyContacts::fail_from_behind(const ContactFeature& f, bool at_start) const {
+  const Vector3d p = model_.origin + link_of(model_, f.a, system_.links()).point(f.place_a);
+  throw Error(
+      at_start ? ErrorCode::scene : ErrorCode::numerics,
+      fmt::format("{} {} {} from behind its surface, at [{:.4g}, {:.4g}, {:.4g}]",
+                  model_.contact.shape(f.a).name, at_start ? "touches" : "comes to",
+                  model_.contact.shape(f.b).name, p.x(), p.y(), p.z()),
+      "mbd.contact",
+      "an open mesh is touched from the side as seen from which its triangles wind counter-clockwise, a "
+      "height field from above: reverse the winding, close the mesh, or place the body on that side");
+}
+
+// Centre of the ball of a watch, in the frame of the mesh.
+Vector3d BodyContacts::on_mesh(const ContactFeature& watch) const {
+  return in_link(link_of(model_, watch.b, system_.links()),
+                 link_of(model_, watch.a, system_.links()).point(watch.place_a));
+}
+
+// Whether the centre of a ball has gone through a face in the step, although nothing presses it so deep.
+bool BodyContacts::went_through() const {
+  std::vector<ContactMesh::Crossing> crossings;
+  return std::ranges::any_of(watches_, [&](const Watch& watch) {
+    const ContactFeature& f = candidates_[watch.candidate].feature;
+    if (!(f.radius_a > 0)) return false;
+    if (std::ranges::any_of(watch.held, [&](std::size_t k) { return gaps_[k].value <= -f.radius_a; }))
+      return false;
+    const Vector3d along = on_mesh(f) - watch.centre;
+    // A ball is no nearer to a face that it does not touch; an end of a cylinder may be.
+    if (along.norm() < f.radius_a && f.axis_a.isZero(0)) return false;
+    model_.contact.shape(f.b).mesh->meet(watch.centre, along, crossings);
+    return !crossings.empty() && crossings[0].distance <= 1;
+  });
 }
 
 // The point touches with the feature as it is now: of a face its corners have moved along its edges, on a

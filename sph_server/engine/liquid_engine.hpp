@@ -97,7 +97,8 @@ class LiquidEngine {
   virtual void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
                         const std::vector<particles::BodyPose>& poses) = 0;
   // Moves particles apart under the same pressure [Pa] for all, without gravity and with velocities reduced
-  // to a part `damping` in each step, until walls and particles fill the space evenly.
+  // to a part `damping` in each step, until walls and particles fill the space evenly. Steps are of dt [s],
+  // or what step_limits() allows where that is less.
   virtual void pack(double pressure, double dt, double damping, int steps) = 0;
   // Force of the liquid on each body and its torque about the origin of the body, at the current state. Where
   // walls of two bodies meet, the loads include what each exerts on the other through the ghost liquid behind

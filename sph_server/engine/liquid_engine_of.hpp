@@ -132,7 +132,11 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
-    for (int k = 0; k < steps; ++k) step(dt, poses());
+    for (int k = 0; k < steps; ++k)
+      step(
+          std::min(
+              dt, step_limits(setup_.liquid, figures_.largest_speed, figures_.largest_acceleration).smallest),
+          poses());
     rates_.properties.gravity = setup_.liquid.gravity;
     rates_.walls.continued = true;
     advance_.packing_pressure = 0;

@@ -23,7 +23,7 @@ struct PairConstants {
   Kernel<Real> kernel;
   Real support2 = 0;      // [m2]
   Real inverse_mass = 0;  // [1/kg]
-  Real viscous = 0;       // 2 mu [Pa s]
+  Real viscous = 0;       // 30 mu / R^2 [Pa s/m2]
   Real artificial = 0;    // alpha h c0 rho0 [Pa s]
   Real soft2 = 0;         // 0.01 h^2 [m2]
   Real diffusive = 0;     // 2 delta h / (rho0 c0), of a difference of pressures [m/(kg/m3 m/s)]
@@ -35,7 +35,7 @@ struct PairConstants {
     return {Kernel<Real>::of_support(l.support()),
             static_cast<Real>(l.support() * l.support()),
             static_cast<Real>(1 / l.mass()),
-            static_cast<Real>(2 * l.viscosity),
+            static_cast<Real>(30 * l.viscosity / (l.support() * l.support())),
             static_cast<Real>(l.artificial * h * c * l.density),
             static_cast<Real>(0.01 * h * h),
             static_cast<Real>(2 * l.diffusion * h / (l.density * c)),
@@ -54,7 +54,12 @@ struct PairTerms {
 // Terms of particle i from j; d = x_i - x_j, r2 = |d|^2 < support^2.
 //   pressure   -V_i V_j (p_i + p_j) grad W / m, the adjoint of
 //   continuity V_j (v_i - v_j) . grad W, so that the work of the one is the energy of the other
-//   viscosity  V_i V_j 2 mu (v_i - v_j) (1/r dW/dr) / m [Morris1997]
+//   viscosity  V_i V_j (30 mu / R^2) ((v_i - v_j) . d) d (1/r dW/dr) / m, along the line between the two as
+//              in [MonaghanGingold1983]: it keeps the angular momentum, and a liquid that turns like a rigid
+//              body does not feel it, nor does its free surface. In a space full of liquid it is mu
+//              laplace(v) / rho0, since the mean of r^2 over W is R^2 / 5. The weight d d instead of d d /
+//              r^2 makes the viscosity of a cubic lattice 1.00 along its axes and 1.04 along its diagonals,
+//              instead of 0.93 and 1.10.
 //   diffusion  2 delta h c0 (rho_j - rho_i, without the difference that belongs to the mean of the two
 //              gradients) (1/r dW/dr) V_j [Antuono2010], as differences of pressure / c0^2. The gradient is
 //              that which the momentum equation has, so that a pressure in equilibrium does not diffuse.
@@ -69,7 +74,7 @@ TANDEM_HD PairTerms<Real> pair_terms(const PairConstants<Real>& c, Vec3<Real> d,
   constexpr Real half{0.5};
   PairTerms<Real> t;
   t.pressure = (-(volumes * ((i.pressure + j.pressure) * gradient))) * d;
-  t.viscous = (volumes * (c.viscous * gradient)) * v;
+  t.viscous = (volumes * (c.viscous * gradient) * approach) * d;
   if (c.artificial > 0 && approach < 0)
     t.viscous += (volumes * (c.artificial * gradient) * (approach / (r2 + c.soft2))) * d;
   t.continuity = j.volume * (approach * gradient);

@@ -33,7 +33,8 @@ struct WallTerms {
 // n: normal of the facet towards the particle; distance: from its plane; v: of the particle relative to the
 // wall. With the integral S of the facet:
 //   pressure     V 2 p_i S n
-//   viscosity    -V 2 mu S v_t / distance: Morris' form, integrated over a ghost with linear velocity
+//   viscosity    -V 2 mu S v_t / distance: the form of [Morris1997], integrated over a ghost with linear
+//                velocity; over all distances from a plane wall its integral is the shear stress
 //   continuity   -2 S v . n, the adjoint of the pressure
 TANDEM_HD inline WallTerms wall_terms(const WallConstants& c, const FacetIntegrals& f, Vec3d n,
                                       double distance, Vec3d v, double pressure, double volume, bool slip) {
@@ -46,15 +47,6 @@ TANDEM_HD inline WallTerms wall_terms(const WallConstants& c, const FacetIntegra
   }
   t.continuity = -2 * across * f.surface;
   return t;
-}
-
-// Morris' form of viscosity carries the stress mu grad v, of which the liquid feels the same as of
-// mu (grad v + its transpose). The force on a wall lacks mu (grad v)^T n: over a closed wall it has no
-// resultant, but the moment by which the shear of a wall that turns with w [rad/s] is too small. This
-// acceleration of the particle, were it there, would have the opposite moment [m/s2].
-TANDEM_HD inline Vec3d shear_of_turning(const WallConstants& c, const FacetIntegrals& f, Vec3d n, Vec3d w,
-                                        double volume) {
-  return (volume * c.inverse_mass * c.viscous * f.surface) * cross(w, n);
 }
 
 // The part of the acceleration by pressure that comes from the difference of the pressures of ghost and

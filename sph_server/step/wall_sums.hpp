@@ -101,11 +101,7 @@ struct SumWalls {
       const Vec3d ghost = ghost_gradient(wall, integrals, at.normal, by_pressure, p.volume);
       const Vec3d total = particles::rounded(t.pressure + t.viscous + ghost, quanta.acceleration);
       const particles::BodyPose& pose = walls.pose[f.body];
-      // Pressure acts on the wall along the line to the particle, shear at the nearest point of its plane.
-      const Vec3d shear = t.viscous + (walls.slip[f.body] != 0
-                                           ? Vec3d{}
-                                           : shear_of_turning(wall, integrals, at.normal, pose.w, p.volume));
-      const Vec3d moment = cross(p.x - pose.p, total - t.viscous) + cross(at.foot - pose.p, shear);
+      const Vec3d moment = cross(p.x - pose.p, total);
       for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(total[a], quanta.acceleration);
       bodies.add(f.body, -total, -mass * moment, quanta);
       tally.add(Power::ghost, mass * dot(ghost, p.v - at.v_wall), quanta.power);
@@ -123,16 +119,15 @@ struct SumWalls {
 
   // Where a particle is beside a facet.
   struct AtFacet {
-    double height;         // above the plane of the facet [m]
-    Vec3d normal, v_wall;  // towards the particle [-], at the nearest point of the plane [m/s]
-    Vec3d foot;            // nearest point of the plane [m]
+    double height;  // above the plane of the facet [m]
+    // Towards the particle [-]; of the body where the particle is, so that a liquid that turns with it like a
+    // rigid body feels no shear [m/s].
+    Vec3d normal, v_wall;
 
     TANDEM_HD AtFacet(const SumWalls& sums, const Particle& p, const NearFacet& f)
-        : height(dot(p.x - f.a, f.normal)),
-          normal(height < 0 ? -f.normal : f.normal),
-          foot(p.x - height * f.normal) {
+        : height(dot(p.x - f.a, f.normal)), normal(height < 0 ? -f.normal : f.normal) {
       const particles::BodyPose& pose = sums.walls.pose[f.body];
-      v_wall = pose.v + cross(pose.w, foot - pose.p);
+      v_wall = pose.v + cross(pose.w, p.x - pose.p);
     }
     TANDEM_HD WallTerms terms(const SumWalls& sums, const Particle& p, const NearFacet& f,
                               const FacetIntegrals& integrals) const {

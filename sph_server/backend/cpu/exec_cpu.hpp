@@ -26,7 +26,7 @@ class CpuExec : public particles::HostExec {
  public:
   using HostExec::HostExec;
 
-  // find(i, each) calls each(entry) for the entries of particle i.
+  // find: see neighbours/find.hpp.
   template <class Entry, class Find>
   void build_list(std::uint32_t n, Find find, List<CpuExec, Entry>& list) {
     // Each thread lists a range of particles; the ranges are joined in order.
@@ -37,7 +37,9 @@ class CpuExec : public particles::HostExec {
       const particles::Range range = share(n, thread);
       for (std::uint32_t i = range.begin; i < range.end; ++i) {
         const std::size_t before = found[thread].size();
-        find(i, [&](Entry entry) { found[thread].push_back(entry); });
+        find(i, particles::OneThread{}, [&](Entry entry, bool exists) {
+          if (exists) found[thread].push_back(entry);
+        });
         count[i] = static_cast<std::uint32_t>(found[thread].size() - before);
       }
     });

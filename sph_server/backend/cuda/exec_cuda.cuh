@@ -12,6 +12,7 @@
 
 #include "particles/backend/cuda/block_sum.cuh"
 #include "particles/backend/cuda/device_exec.cuh"
+#include "particles/backend/cuda/warp_group.cuh"
 #include "sph_server/backend/list.hpp"
 #include "sph_server/step/body_sum.hpp"
 
@@ -22,10 +23,11 @@ template <class Entry, class Find>
 struct CountEntries {
   Find find;
   std::uint32_t* count;
-  __device__ void operator()(std::uint32_t i) const {
-    std::uint32_t mine = 0;
-    find(i, [&](Entry) { ++mine; });
-    count[i] = mine;
+  template <class Group>
+  __device__ void operator()(std::uint32_t i, Group group) const {
+    std::uint32_t sum = 0;
+    find(i, group, [&](Entry, bool exists) { sum += group.count(exists); });
+    if (group.first()) count[i] = sum;
   }
 };
 template <class Entry, class Find>
@@ -33,9 +35,14 @@ struct WriteEntries {
   Find find;
   const std::uint32_t* start;
   Entry* entry;
-  __device__ void operator()(std::uint32_t i) const {
+  template <class Group>
+  __device__ void operator()(std::uint32_t i, Group group) const {
     std::uint32_t at = start[i];
-    find(i, [&](Entry e) { entry[at++] = e; });
+    find(i, group, [&](Entry e, bool exists) {
+      const std::uint32_t before = group.before(exists);
+      if (exists) entry[at + before] = e;
+      at += group.count(exists);
+    });
   }
 };
 
@@ -72,9 +79,11 @@ __global__ void __launch_bounds__(particles::block_threads) sum_over_lanes_kerne
 template <class Tally>
 __device__ void add_up(Tally& own, Tally* shared) {
   shared[threadIdx.x] = own;
+  __syncthreads();
   for (unsigned half = blockDim.x / 2; half > 0; half /= 2) {
-    __syncthreads();
     if (threadIdx.x < half) shared[threadIdx.x].add(shared[threadIdx.x + half]);
+    // After the last sum as well: the compiler lets all threads read the element of thread 0.
+    __syncthreads();
   }
   if (threadIdx.x == 0) own = shared[0];
 }
@@ -143,11 +152,11 @@ class CudaExec : public particles::DeviceExec {
   void build_list(std::uint32_t n, Find find, List<CudaExec, Entry>& list) {
     grow(list.start, std::size_t{n} + 1);
     zero(list.start, std::size_t{n} + 1);
-    for_each(n, CountEntries<Entry, Find>{find, list.start.data()});
+    fill(n, CountEntries<Entry, Find>{find, list.start.data()});
     list.total = checked_total(reduce<EntryTotal>(n, AddCount{list.start.data()}).entries);
     exclusive_sum(list.start, n + 1);
     if (list.entry.size() < list.total) list.entry.resize(list.total + list.total / 8);
-    for_each(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
+    fill(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
   }
 
   template <class Sum>
@@ -182,6 +191,18 @@ class CudaExec : public particles::DeviceExec {
   }
 
  private:
+  template <class Entry, class Find, template <class, class> class Fill>
+  void fill(std::uint32_t n, Fill<Entry, Find> f) {
+    if (n == 0) return;
+    const unsigned threads = block(particles::block_threads);
+    if constexpr (Find::by_warps)
+      particles::
+          for_each_shared_kernel<<<blocks(n * particles::WarpGroup::size, threads), threads, 0, stream_>>>(n,
+                                                                                                           f);
+    else
+      particles::for_each_alone_kernel<<<blocks(n, threads), threads, 0, stream_>>>(n, f);
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
+  }
   static unsigned reduce_blocks(std::uint32_t n) {
     return std::min(most_reduce_blocks, blocks(n, reduce_threads));
   }

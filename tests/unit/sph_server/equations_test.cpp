@@ -50,6 +50,58 @@ TEST(PairTerms, AreAntisymmetricToTheBitAndConjugate) {
               1e-5 * std::fabs(of_i.diffusion / j.volume));
 }
 
+// Acceleration by viscosity of a particle in a cubic lattice with the velocities v(x) [m/s2].
+template <class Velocity>
+Vec3d viscous_acceleration(const Liquid& liquid, Velocity v) {
+  const auto c = PairConstants<double>::of(liquid);
+  const double volume = liquid.mass() / liquid.density, a = liquid.spacing;
+  Vec3d sum;
+  for (int x = -3; x <= 3; ++x)
+    for (int y = -3; y <= 3; ++y)
+      for (int z = -3; z <= 3; ++z) {
+        const Vec3d at{a * x, a * y, a * z};
+        if (norm2(at) == 0 || norm2(at) >= c.support2) continue;
+        sum += pair_terms(c, -at, norm2(at), Seen<double>{v(Vec3d{}), 0, volume, {}},
+                          Seen<double>{v(at), 0, volume, {}})
+                   .viscous;
+      }
+  return sum;
+}
+
+TEST(PairTerms, HaveTheViscosityOfALatticeInShear) {
+  Liquid liquid;
+  liquid.viscosity = 0.3;
+  liquid.spacing = 0.1;
+  liquid.sound_speed = 30;
+  const double expected = liquid.viscosity / liquid.density;  // of a velocity y^2 / 2
+  const double along_axes = viscous_acceleration(liquid, [](Vec3d x) {
+                              return Vec3d{x.y * x.y / 2, 0, 0};
+                            }).x;
+  const Vec3d u = 1 / std::sqrt(2.0) * Vec3d{1, 1, 0}, w = 1 / std::sqrt(2.0) * Vec3d{1, -1, 0};
+  const double along_diagonals =
+      dot(viscous_acceleration(liquid, [&](Vec3d x) { return dot(x, w) * dot(x, w) / 2 * u; }), u);
+  EXPECT_NEAR(along_axes / expected, 1, 1e-3);
+  EXPECT_NEAR(along_diagonals / expected, 1, 0.05);
+}
+
+// Also where neighbours lack, as at a free surface.
+TEST(PairTerms, HaveNoViscosityInALiquidThatTurnsLikeARigidBody) {
+  Liquid liquid;
+  liquid.viscosity = 0.3;
+  liquid.spacing = 0.1;
+  liquid.sound_speed = 30;
+  const auto c = PairConstants<double>::of(liquid);
+  const Vec3d w{0.3, -1.2, 2}, x{0.4, 0.1, -0.2}, y{0.45, 0.2, -0.05};
+  const Seen<double> i{cross(w, x), 0, 1e-3, {}}, j{cross(w, y), 0, 1e-3, {}};
+  const Vec3d d = x - y;
+  EXPECT_LT(norm(pair_terms(c, d, norm2(d), i, j).viscous), 1e-15);
+  // Any force is along the line between the two, and so keeps the angular momentum.
+  const Seen<double> k{{0.7, -2, 0.3}, 0, 1e-3, {}};
+  const Vec3d force = pair_terms(c, d, norm2(d), i, k).viscous;
+  EXPECT_GT(norm(force), 1e-3);
+  EXPECT_LT(norm(cross(force, d)), 1e-15 * norm(force));
+}
+
 // After a step of a thousandth, which ends at a sample, a rate is not extrapolated by a factor of 500.
 TEST(TimeStep, ExtrapolatesUpToTwiceTheLastStep) {
   EXPECT_EQ(extrapolation_weight(1e-3, 0), 0.5) << "the first step";

@@ -47,7 +47,7 @@ std::vector<double> front(int across) {
   gate.triangles = {{0, 1, 2}, {0, 2, 3}};
   gated.walls.push_back(gate);
   const std::vector<particles::BodyPose> poses(2, particles::BodyPose{{}, Mat3d::identity(), {}, {}});
-  engine->set_state(fill_region(gated, poses, region, {2 * wide, {}}));
+  engine->set_state(fill(gated, poses, region, {2 * wide, {}}));
   const EnergyBalance begin = engine->energies();
   const double unit = std::sqrt(wide / (2 * g)), dt = step_limits(l, 0.3 * l.sound_speed, 0).smallest;
   std::vector<double> found;

@@ -75,7 +75,7 @@ Record run(int high) {
   gated.walls.push_back(gate);
   const std::vector<particles::BodyPose> poses(4, particles::BodyPose{{}, Mat3d::identity(), {}, {}});
   const auto engine = make_engine(setup, true);
-  engine->set_state(fill_region(gated, poses, region, {H, {}}));
+  engine->set_state(fill(gated, poses, region, {H, {}}));
   const Walls walls(setup.walls, l.support());
   const double unit = std::sqrt(H / g);
   Record record;

@@ -99,7 +99,7 @@ Record run(int deep, const Roll& roll) {
   // The start of the record is at rest up to its noise.
   const std::vector<particles::BodyPose> rest(3, particles::BodyPose{{}, Mat3d::identity(), {}, {}});
   const auto engine = make_engine(setup, true);
-  engine->set_state(fill_region(setup, rest, region, {depth, {}}), rest);
+  engine->set_state(fill(setup, rest, region, {depth, {}}), rest);
   Walls walls(setup.walls, l.support());
   Record record;
   double t = 0, impulse = 0, fastest = 0, density = 0;

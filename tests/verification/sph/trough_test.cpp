@@ -40,7 +40,7 @@ struct Trough {
     TriangleMesh region = walls;
     region.triangles.push_back({1, 4, 5});
     region.triangles.push_back({1, 5, 2});
-    start = fill_region(setup, {{{}, Mat3d::identity(), {}, {}}}, region, {depth, {}});
+    start = fill(setup, {{{}, Mat3d::identity(), {}, {}}}, region, {depth, {}});
   }
   double step() const { return step_limits(setup.liquid, 0.1 * setup.liquid.sound_speed, 0).smallest; }
 };
