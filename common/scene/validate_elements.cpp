@@ -87,9 +87,8 @@ void validate_hydraulics(const Cylinder& cylinder, const std::string& origin, co
 void validate_force(const Motor& motor, const Mbd& mbd, double end_time, const std::string& origin,
                     const std::string& path) {
   const Joint& joint = mbd.joints[motor.joint.value];
-  if (joint.type != JointType::revolute)
-    fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
-         "a motor turns; write a cylinder for a sliding joint");
+  require_revolute(joint, mbd, "a motor turns; write a cylinder for a sliding joint", origin,
+                   path + ".joint");
   if (joint.motion)
     fail(origin, path + ".joint", "joint '" + joint.name + "' has a motion: no torque can move it",
          "leave out one of the two");
@@ -127,9 +126,8 @@ void validate_force(const Tyre& tyre, const Mbd& mbd, double, const std::string&
                     const std::string& path) {
   constexpr double least_sine = 0.2;  // of the angle between axle and normal, as the solver needs
   const Joint& joint = mbd.joints[tyre.joint.value];
-  if (joint.type != JointType::revolute)
-    fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
-         "name the joint about which the wheel turns; its child is the wheel");
+  require_revolute(joint, mbd, "name the joint about which the wheel turns; its child is the wheel", origin,
+                   path + ".joint");
   require_unit(tyre.road_normal, origin, path + ".road_normal");
   if (norm(cross(joint.axis, tyre.road_normal)) < least_sine)
     fail(origin, path + ".joint",

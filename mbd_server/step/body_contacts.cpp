@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mbd_server/contact/contact_force.hpp"
+#include "mbd_server/contact/overlap.hpp"
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/step/cubic.hpp"
 
@@ -95,7 +96,10 @@ void BodyContacts::expect_apart(const State& state, double share, ErrorCode code
                 fmt::format("{} and {} {}, by {:.3g} m; the thinner one reaches {:.3g} m from its middle",
                             model_.contact.shape(feature.a).name, model_.contact.shape(feature.b).name, what,
                             depth, thinner),
-                "mbd.contact", hint);
+                "mbd.contact",
+                hint + (code == ErrorCode::scene
+                            ? files_of(model_.contact.shape(feature.a), model_.contact.shape(feature.b))
+                            : std::string()));
   }
 }
 

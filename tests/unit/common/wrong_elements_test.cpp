@@ -15,7 +15,7 @@ const WrongScene elements[] = {
      ELEMENT(
          R"({"name": "m", "type": "motor", "joint": "slide", "control": "speed", "target": {"type": "constant", "value": 1}})"),
      "mbd.forces[0].joint: joint 'slide' is not revolute (a motor turns; write a cylinder for a "
-     "sliding joint)"},
+     "sliding joint; known revolute joints: hinge, spin)"},
     {"MotorOnADrivenJoint",
      ELEMENT(
          R"({"name": "m", "type": "motor", "joint": "hinge", "control": "speed", "target": {"type": "constant", "value": 1}})"),
@@ -187,7 +187,7 @@ const WrongScene elements[] = {
      ELEMENT(
          R"({"name": "t", "type": "tyre", "joint": "slide", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2})"),
      "mbd.forces[0].joint: joint 'slide' is not revolute (name the joint about which the wheel turns; its "
-     "child is the wheel)"},
+     "child is the wheel; known revolute joints: hinge, spin)"},
     {"TyreThatLies",
      ELEMENT(
          R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_point": [0, 0, -0.3]})"),
@@ -236,7 +236,8 @@ const WrongScene elements[] = {
     {"DrumThatSlides",
      ELEMENT(
          R"({"name": "r", "type": "rope", "drum": "slide", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
-     "mbd.forces[0].drum: joint 'slide' is not revolute (name the joint about which the drum turns)"},
+     "mbd.forces[0].drum: joint 'slide' is not revolute (name the joint about which the drum turns; "
+     "known revolute joints: hinge, spin)"},
     {"DrumThatDoesNotExist",
      ELEMENT(
          R"({"name": "r", "type": "rope", "drum": "spim", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
