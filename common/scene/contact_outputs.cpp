@@ -10,7 +10,19 @@ namespace tandem::scene {
 
 namespace {
 
-ContactSide parse_side(const Node& output, const std::string& text, const std::string& path,
+// "BODY/SHAPE" of the shape of contact that has this name; empty where there is none.
+std::string with_body(const Node& mbd, const std::string& shape) {
+  const auto has_it = [&](const Node& owner, const char* key) {
+    return std::ranges::any_of(owner.elements(key),
+                               [&](const Node& s) { return s.value()["name"] == shape; });
+  };
+  if (has_it(mbd.at("contact"), "ground")) return "ground/" + shape;
+  for (const Node& body : mbd.elements("bodies"))
+    if (has_it(body, "shapes")) return body.value()["name"].get<std::string>() + "/" + shape;
+  return {};
+}
+
+ContactSide parse_side(const Node& mbd, const Node& output, const std::string& text, const std::string& path,
                        const Names& bodies) {
   const std::size_t slash = text.find('/');
   const std::string name = text.substr(0, slash);
@@ -18,18 +30,23 @@ ContactSide parse_side(const Node& output, const std::string& text, const std::s
   if (slash != std::string::npos) side.shape = text.substr(slash + 1);
   if (name == "ground") return side;
   const auto body = bodies.index(name);
-  if (!body)
-    output.fail(path.c_str(), "unknown name '" + name + "'", suggest_name(name, bodies.list(), "bodies"));
+  if (!body) {
+    const std::string full = with_body(mbd, text);
+    output.fail(path.c_str(), "unknown name '" + name + "'",
+                full.empty() ? suggest_name(name, bodies.list(), "bodies")
+                             : "'" + text + "' is a shape: write '" + full + "'");
+  }
   side.body = BodyId{*body};
   return side;
 }
 
-std::vector<ContactSide> parse_sides(const Node& output, const char* key, const Names& bodies) {
+std::vector<ContactSide> parse_sides(const Node& mbd, const Node& output, const char* key,
+                                     const Names& bodies) {
   std::vector<ContactSide> sides;
   if (!output.has(key)) return sides;
   const nlohmann::json& value = output.value().at(key);
   for (std::size_t i = 0; i < value.size(); ++i)
-    sides.push_back(parse_side(output, value[i].get<std::string>(), element(key, i), bodies));
+    sides.push_back(parse_side(mbd, output, value[i].get<std::string>(), element(key, i), bodies));
   return sides;
 }
 
@@ -80,14 +97,15 @@ const char* owner_of(const std::string& name, const Scene& scene) {
 
 }  // namespace
 
-std::vector<ContactOutput> parse_contact_outputs(const Node& contact, const Names& bodies) {
+std::vector<ContactOutput> parse_contact_outputs(const Node& mbd, const Names& bodies) {
+  const Node contact = mbd.at("contact");
   std::vector<ContactOutput> outputs;
   contact.names("outputs");
   for (const Node& node : contact.elements("outputs")) {
     ContactOutput& output = outputs.emplace_back();
     node.read("name", output.name);
-    output.on = parse_sides(node, "on", bodies);
-    output.from = parse_sides(node, "from", bodies);
+    output.on = parse_sides(mbd, node, "on", bodies);
+    output.from = parse_sides(mbd, node, "from", bodies);
   }
   return outputs;
 }

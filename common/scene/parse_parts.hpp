@@ -31,8 +31,8 @@ Motion parse_motion(const Node& node, const std::string& format);
 // known, and makes the walls of both kinds of particles from them.
 void parse_shapes(const Node& root, Scene& scene);
 
-// The outputs of mbd.contact.
-std::vector<ContactOutput> parse_contact_outputs(const Node& contact, const Names& bodies);
+// The outputs of mbd.contact, where there is one.
+std::vector<ContactOutput> parse_contact_outputs(const Node& mbd, const Names& bodies);
 
 // Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);

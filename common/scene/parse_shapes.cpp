@@ -198,7 +198,6 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
                 "give two bodies that may pass through each other");
     contact.ignore.push_back(pair);
   }
-  contact.outputs = parse_contact_outputs(node, bodies);
   return contact;
 }
 
@@ -294,6 +293,7 @@ void parse_shapes(const Node& root, Scene& scene) {
   if (const Node mbd = root.at("mbd"); mbd.has("contact")) {
     surfaces = mbd.at("contact").names("materials");
     scene.contact = parse_contact(mbd.at("contact"), *surfaces, bodies);
+    scene.contact->outputs = parse_contact_outputs(mbd, bodies);
   }
   const std::vector<Node> nodes = root.at("mbd").elements("bodies");
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {

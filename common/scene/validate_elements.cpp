@@ -87,9 +87,8 @@ void validate_hydraulics(const Cylinder& cylinder, const std::string& origin, co
 void validate_force(const Motor& motor, const Mbd& mbd, double end_time, const std::string& origin,
                     const std::string& path) {
   const Joint& joint = mbd.joints[motor.joint.value];
-  if (joint.type != JointType::revolute)
-    fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
-         "a motor turns; write a cylinder for a sliding joint");
+  require_revolute(joint, mbd, "a motor turns; write a cylinder for a sliding joint", origin,
+                   path + ".joint");
   if (joint.motion)
     fail(origin, path + ".joint", "joint '" + joint.name + "' has a motion: no torque can move it",
          "leave out one of the two");
@@ -127,9 +126,8 @@ void validate_force(const Tyre& tyre, const Mbd& mbd, double, const std::string&
                     const std::string& path) {
   constexpr double least_sine = 0.2;  // of the angle between axle and normal, as the solver needs
   const Joint& joint = mbd.joints[tyre.joint.value];
-  if (joint.type != JointType::revolute)
-    fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
-         "name the joint about which the wheel turns; its child is the wheel");
+  require_revolute(joint, mbd, "name the joint about which the wheel turns; its child is the wheel", origin,
+                   path + ".joint");
   require_unit(tyre.road_normal, origin, path + ".road_normal");
   if (norm(cross(joint.axis, tyre.road_normal)) < least_sine)
     fail(origin, path + ".joint",
@@ -151,6 +149,57 @@ void validate_force(const Tyre& tyre, const Mbd& mbd, double, const std::string&
     fail(origin, path, "the search for the equilibrium knows no tyres",
          "leave out mbd.start, and let the vehicle come to rest in a run");
 }
+
+namespace {
+
+// The farthest point of a bounded shape of a body from the axis of a joint [m].
+double reach_from_axis(const Shape& shape, const Body& body, const Joint& joint, const std::string& origin) {
+  constexpr int segments = 64;
+  const Vec3d centre = joint.child_position.value_or(joint.position);
+  double reach = 0;
+  for (const Vec3d& p : mesh_of(shape, {}, segments, origin).vertices) {
+    const Vec3d in_body = shape.pose.p_WB + shape.pose.q_WB.rotate(p),
+                away = body.pose.p_WB + body.pose.q_WB.rotate(in_body) - centre;
+    reach = std::max(reach, norm(cross(joint.axis, away)) / norm(joint.axis));
+  }
+  return reach;
+}
+
+// Whether a shape of the ground is a road of the tyre, by name or as the same plane.
+bool is_road(const Shape& ground, const Tyre& tyre) {
+  if (!tyre.road.empty()) return std::ranges::find(tyre.road, ground.name) != tyre.road.end();
+  const auto* plane = std::get_if<PlaneShape>(&ground.geometry);
+  if (!plane) return false;
+  const Vec3d normal = ground.pose.q_WB.rotate(plane->normal),
+              point = ground.pose.p_WB + ground.pose.q_WB.rotate(plane->point);
+  return norm(cross(normal, tyre.road_normal)) < 1e-3 && dot(normal, tyre.road_normal) > 0 &&
+         std::abs(dot(point - tyre.road_point, normal)) < 1e-3 * tyre.radius;
+}
+
+// Refuses a wheel that stands on its road with its tyre and with a shape of contact: both would bear.
+void refuse_two_supports(const Scene& scene, const Tyre& tyre, const std::string& origin,
+                         const std::string& path) {
+  if (!scene.contact) return;
+  const Joint& joint = scene.mbd->joints[tyre.joint.value];
+  const auto road =
+      std::ranges::find_if(scene.contact->ground, [&](const Shape& s) { return is_road(s, tyre); });
+  if (road == scene.contact->ground.end() || !may_touch(scene, joint.child, ground)) return;
+  const Body& wheel = scene.mbd->bodies[joint.child.value];
+  for (const Shape& shape : scene.shapes) {
+    if (shape.use != ShapeUse::contact || shape.body != joint.child || !file_of(shape.geometry).empty() ||
+        !is_bounded(shape.geometry))
+      continue;
+    const double reach = reach_from_axis(shape, wheel, joint, origin);
+    if (reach < (1 - 1e-6) * tyre.radius) continue;
+    fail(origin, path,
+         "the tyre and the shape of contact '" + shape.name + "' of its wheel, which reaches " +
+             rounded(reach) + " m from the axle, would both stand on '" + road->name + "'",
+         "leave one of them out, make the shape smaller than the radius of " + text(tyre.radius) +
+             " m, or add ['" + wheel.name + "', 'ground'] to mbd.contact.ignore");
+  }
+}
+
+}  // namespace
 
 void validate_roads(const Scene& scene, const std::string& origin) {
   if (!scene.mbd) return;
@@ -177,6 +226,7 @@ void validate_roads(const Scene& scene, const std::string& origin) {
       if (std::ranges::count(tyre->road, name) > 1)
         fail(origin, path, "'" + name + "' is given twice", "leave one of them out");
     }
+    refuse_two_supports(scene, *tyre, origin, element("mbd.forces", i));
   }
 }
 

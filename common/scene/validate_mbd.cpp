@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "common/scene/nearest_name.hpp"
 #include "common/scene/validate_parts.hpp"
 
 namespace tandem::scene {
@@ -149,11 +150,10 @@ void validate_couplers(const Mbd& mbd, const std::string& origin) {
     }
     const Joint &a = mbd.joints[coupler.joint_a.value], &b = mbd.joints[coupler.joint_b.value];
     const bool rack = coupler.type == CouplerType::rack_and_pinion;
-    if (a.type != JointType::revolute)
-      fail(origin, path + ".joint_a", "joint '" + a.name + "' is not revolute", "name a revolute joint");
-    if (b.type != (rack ? JointType::prismatic : JointType::revolute))
-      fail(origin, path + ".joint_b", "joint '" + b.name + "' is not " + (rack ? "prismatic" : "revolute"),
-           rack ? "a rack slides" : "gears and belts join revolute joints");
+    require_revolute(a, mbd, "name a revolute joint", origin, path + ".joint_a");
+    if (!rack) require_revolute(b, mbd, "gears and belts join revolute joints", origin, path + ".joint_b");
+    if (rack && b.type != JointType::prismatic)
+      fail(origin, path + ".joint_b", "joint '" + b.name + "' is not prismatic", "a rack slides");
     if (coupler.joint_a == coupler.joint_b)
       fail(origin, path + ".joint_b", "'" + b.name + "' is coupled to itself", "name two joints");
     if (coupler.ratio == 0) fail(origin, path + ".ratio", "the ratio is 0", "give q_b / q_a");
@@ -165,6 +165,16 @@ void validate_couplers(const Mbd& mbd, const std::string& origin) {
 }
 
 }  // namespace
+
+void require_revolute(const Joint& joint, const Mbd& mbd, const std::string& hint, const std::string& origin,
+                      const std::string& path) {
+  if (joint.type == JointType::revolute) return;
+  std::vector<std::string> names;
+  for (const Joint& known : mbd.joints)
+    if (known.type == JointType::revolute) names.push_back(known.name);
+  fail(origin, path, "joint '" + joint.name + "' is not revolute",
+       hint + "; " + suggest_name(joint.name, names, "revolute joints"));
+}
 
 void validate_arguments(const ForceTable& table, const std::string& origin, const std::string& path) {
   if (table.arguments.size() != table.values.size())
@@ -206,10 +216,9 @@ void validate_force(const SpringDamper& spring, const Mbd&, double, const std::s
 
 void validate_force(const RotationalSpringDamper& spring, const Mbd& mbd, double, const std::string& origin,
                     const std::string& path) {
-  const Joint& joint = mbd.joints[spring.joint.value];
-  if (joint.type != JointType::revolute)
-    fail(origin, path + ".joint", "joint '" + joint.name + "' is not revolute",
-         "a rotational_spring_damper turns about the axis of a revolute joint");
+  require_revolute(mbd.joints[spring.joint.value], mbd,
+                   "a rotational_spring_damper turns about the axis of a revolute joint", origin,
+                   path + ".joint");
   validate_law(spring.table, spring.stiffness, "table", "stiffness", origin, path);
   validate_law(spring.damping_table, spring.damping, "damping_table", "damping", origin, path);
 }
@@ -259,9 +268,7 @@ void validate_force(const Actuator& actuator, const Mbd& mbd, double, const std:
 void validate_drum(const Rope& rope, const Mbd& mbd, const std::string& origin, const std::string& path) {
   constexpr double least_cosine = 0.985;  // 10 degrees
   const Joint& joint = mbd.joints[rope.drum->value];
-  if (joint.type != JointType::revolute)
-    fail(origin, path + ".drum", "joint '" + joint.name + "' is not revolute",
-         "name the joint about which the drum turns");
+  require_revolute(joint, mbd, "name the joint about which the drum turns", origin, path + ".drum");
   if (joint.cut)
     fail(origin, path + ".drum", "joint '" + joint.name + "' is cut and has no coordinate",
          "cut another joint of the loop");

@@ -29,6 +29,10 @@ void validate_curve_arguments(const std::vector<double>& arguments, const std::o
                               AngleUnit unit, const std::string& origin, const std::string& path);
 void validate_dem(const Dem& dem, double window, const std::string& origin);
 
+// Refuses a joint that is not revolute, at `path`. `hint`: what it is for.
+void require_revolute(const Joint& joint, const Mbd& mbd, const std::string& hint, const std::string& origin,
+                      const std::string& path);
+
 // Shapes of bodies, and masses that follow from them.
 void validate_shapes(const Scene& scene, const std::string& origin);
 

@@ -27,6 +27,13 @@ double depth_in(const ContactShape& shape, const Vector3d& p) {
 
 }  // namespace
 
+std::string files_of(const ContactShape& a, const ContactShape& b) {
+  std::string text;
+  for (const ContactShape* s : {&a, &b})
+    if (!s->file.empty()) text += "; " + s->file;
+  return text;
+}
+
 Overlap find_overlap(const Model& model, int body, int mesh, const std::vector<LinkMotion>& links,
                      double share) {
   const ContactShape& a = model.contact.shape(body);

@@ -2,6 +2,8 @@
 // surfaces only.
 #pragma once
 
+#include <string>
+
 #include "mbd_server/kinematics/kinematics.hpp"
 
 namespace tandem::mbd {
@@ -15,5 +17,9 @@ struct Overlap {
 // body, where they are deeper than `share` of the thinner shape; else zero.
 Overlap find_overlap(const Model& model, int body, int mesh, const std::vector<LinkMotion>& links,
                      double share);
+
+// Sentences on the files of two shapes, after a "; " each, for a message that they overlap: a missing scale
+// shows there.
+std::string files_of(const ContactShape& a, const ContactShape& b);
 
 }  // namespace tandem::mbd

@@ -17,6 +17,7 @@ namespace tandem::mbd {
 struct ContactShape {
   enum class Kind { plane, sphere, capsule, box, hull, mesh, cylinder } kind = Kind::sphere;
   std::string name;  // shape "tread" of body "wheel"
+  std::string file;  // its file, width and scale, for messages; empty where it has none
   int body = none;   // body of the scene; none: ground
   LinkIndex link = 0;
   int material = 0;

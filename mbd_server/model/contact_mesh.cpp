@@ -25,7 +25,7 @@ std::string text_of(const Vector3d& p) {
 
 }  // namespace
 
-ContactMesh::ContactMesh(const std::vector<Vector3d>& vertices,
+ContactMesh::ContactMesh(const std::vector<Vector3d>& vertices, const std::vector<Vector3d>& in_file,
                          const std::vector<std::array<std::uint32_t, 3>>& triangles,
                          const std::string& path) {
   if (triangles.size() > most_triangles)
@@ -33,8 +33,7 @@ ContactMesh::ContactMesh(const std::vector<Vector3d>& vertices,
                 fmt::format("the surface has {} triangles, and contact of bodies is for up to {}",
                             triangles.size(), most_triangles),
                 path, "make the mesh coarser");
-  weld(vertices, triangles, path);
-  join(path);
+  weld(vertices, in_file, triangles, path);
   find_corners();
   order_.resize(faces_.size());
   for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<int>(i);
@@ -53,16 +52,17 @@ ContactMesh::ContactMesh(const std::vector<Vector3d>& vertices,
                 "reverse the winding of the mesh");
 }
 
-void ContactMesh::weld(const std::vector<Vector3d>& vertices,
+void ContactMesh::weld(const std::vector<Vector3d>& vertices, const std::vector<Vector3d>& in_file,
                        const std::vector<std::array<std::uint32_t, 3>>& triangles, const std::string& path) {
   const auto less = [](const Vector3d& a, const Vector3d& b) {
     return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
   };
   std::map<Vector3d, int, decltype(less)> known(less);
   std::vector<int> number(vertices.size());
+  std::vector<Vector3d> points_in_file;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const auto [at, is_new] = known.try_emplace(vertices[i], static_cast<int>(points_.size()));
-    if (is_new) points_.push_back(vertices[i]);
+    if (is_new) points_.push_back(vertices[i]), points_in_file.push_back(in_file.at(i));
     number[i] = at->second;
   }
   for (const auto& triangle : triangles) {
@@ -74,14 +74,15 @@ void ContactMesh::weld(const std::vector<Vector3d>& vertices,
     if (!(n.norm() > 1e-12 * longest2))
       throw Error(
           ErrorCode::scene,
-          "a triangle at " + text_of(point(face.corners[0])) + " (in the frame of its link) has no area",
+          "a triangle at " + text_of(points_in_file[index(face.corners[0])]) + " of the file has no area",
           path, "remove triangles without area");
     face.normal = n.normalized();
     faces_.push_back(face);
   }
+  join(points_in_file, path);
 }
 
-void ContactMesh::join(const std::string& path) {
+void ContactMesh::join(const std::vector<Vector3d>& in_file, const std::string& path) {
   std::map<std::pair<int, int>, int> known;
   for (std::size_t f = 0; f < faces_.size(); ++f)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -93,8 +94,8 @@ void ContactMesh::join(const std::string& path) {
         continue;
       }
       Edge& edge = edges_[index(at->second)];
-      const std::string where = "the edge from " + text_of(point(from)) + " to " + text_of(point(to)) +
-                                " (in the frame of its link)";
+      const std::string where = "the edge from " + text_of(in_file[index(from)]) + " to " +
+                                text_of(in_file[index(to)]) + " of the file";
       if (edge.faces[1] != none)
         throw Error(ErrorCode::scene, where + " belongs to more than two triangles", path,
                     "separate the parts that meet there, as shapes of their own");

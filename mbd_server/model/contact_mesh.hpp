@@ -39,10 +39,11 @@ class ContactMesh {
         0;  // half of the distance to the other side, behind the middle; inf: there is none [m]
   };
 
-  // Corners in the frame of the link [m]; corners at the same place are one. Throws Error{scene} at
-  // `path` where a triangle has no area, an edge belongs to more than two triangles, two neighbours wind in
-  // opposite directions, a closed surface winds inward, or there are too many triangles.
-  ContactMesh(const std::vector<Vector3d>& vertices,
+  // Corners in the frame of the link [m]; corners at the same place are one. `in_file`: the same corners as
+  // the file has them, for messages. Throws Error{scene} at `path` where a triangle has no area, an edge
+  // belongs to more than two triangles, two neighbours wind in opposite directions, a closed surface winds
+  // inward, or there are too many triangles.
+  ContactMesh(const std::vector<Vector3d>& vertices, const std::vector<Vector3d>& in_file,
               const std::vector<std::array<std::uint32_t, 3>>& triangles, const std::string& path);
 
   const std::vector<Vector3d>& points() const { return points_; }
@@ -83,9 +84,9 @@ class ContactMesh {
     int first = 0, count = 0;  // faces in order_; count 0: children
     int left = none, right = none;
   };
-  void weld(const std::vector<Vector3d>& vertices, const std::vector<std::array<std::uint32_t, 3>>& triangles,
-            const std::string& path);
-  void join(const std::string& path);
+  void weld(const std::vector<Vector3d>& vertices, const std::vector<Vector3d>& in_file,
+            const std::vector<std::array<std::uint32_t, 3>>& triangles, const std::string& path);
+  void join(const std::vector<Vector3d>& in_file, const std::string& path);
   void find_corners();
   int build(int first, int count);
   void measure_thickness();

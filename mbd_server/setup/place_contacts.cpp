@@ -1,4 +1,6 @@
 // The shapes of bodies that touch, and the pairs of them that may.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -31,6 +33,18 @@ struct ContactPlacer {
                 shape.path + ".shape.file", "send them with the scene, as tandem does");
   }
 
+  // Where a shape is far too large a scale is missing.
+  std::string text_of_file(const scene::Shape& shape) const {
+    const std::string& name = scene::file_of(shape.geometry);
+    if (name.empty()) return {};
+    Vector3d low = Vector3d::Constant(HUGE_VAL), high = -low;
+    for (const Vec3d& p : file_of(shape).vertices)
+      low = low.cwiseMin(to_eigen(p)), high = high.cwiseMax(to_eigen(p));
+    const double scale = scene::scale_of(shape.geometry);
+    return fmt::format("{} is {:.4g} m wide with a scale of {:.3g}{}", name, (high - low).maxCoeff(), scale,
+                       scale == 1 ? ": a file in millimetres needs \"scale\": 0.001" : "");
+  }
+
   void add(const scene::Shape& shape) {
     const bool on_ground = shape.body == ground;
     const Pose body = on_ground ? Pose{} : at.scene.mbd->bodies.at(shape.body.value).pose;
@@ -47,6 +61,7 @@ struct ContactPlacer {
     s.centre = place({0, 0, 0}).p_LP;
     s.axes = turned.toRotationMatrix();
     s.material = shape.contact_material;
+    s.file = text_of_file(shape);
     const auto local = [&](const Vector3d& p) { return place(to_vec3(p)).p_LP; };
     if (const auto* sphere = std::get_if<scene::SphereShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::sphere;
@@ -123,9 +138,12 @@ struct ContactPlacer {
       s.faces.clear(), s.edges.clear();
     }
     s.kind = ContactShape::Kind::mesh;
-    std::vector<Vector3d> vertices;
-    for (const Vec3d& p : mesh.vertices) vertices.push_back(local(to_eigen(p)));
-    s.mesh = std::make_shared<ContactMesh>(vertices, mesh.triangles, shape.path + ".shape");
+    std::vector<Vector3d> vertices, in_file;
+    for (const Vec3d& p : mesh.vertices) {
+      vertices.push_back(local(to_eigen(p)));
+      in_file.push_back(to_eigen(p) / scene::scale_of(shape.geometry));
+    }
+    s.mesh = std::make_shared<ContactMesh>(vertices, in_file, mesh.triangles, shape.path + ".shape");
     s.centre = s.mesh->centre();
     s.bound = s.mesh->bound();
   }
@@ -142,7 +160,7 @@ struct ContactPlacer {
           triangles.push_back({static_cast<std::uint32_t>(face.corners[0]),
                                static_cast<std::uint32_t>(face.corners[i]),
                                static_cast<std::uint32_t>(face.corners[i + 1])});
-      s.mesh = std::make_shared<ContactMesh>(s.points, triangles, "mbd.contact");
+      s.mesh = std::make_shared<ContactMesh>(s.points, s.points, triangles, "mbd.contact");
     }
   }
 
@@ -315,11 +333,28 @@ void place_contacts(const Placement& placement, const std::vector<NamedMesh>& me
     for (int b = 0; b < count; ++b) model.contact.laws.push_back(placer.law(a, b));
 }
 
+namespace {
+
+// As the scene's check of a plane road.
+void expect_above(const TyreOnLink& tyre, const Vector3d& centre, const std::string& path) {
+  const std::optional<Road::Place> place = tyre.road->below(centre, tyre.normal);
+  if (!place || place->from_behind) return;
+  const double height = place->normal.dot(centre - place->point) / place->normal.dot(tyre.normal);
+  if (!(height > 0.5 * tyre.radius))
+    throw Error(ErrorCode::scene,
+                fmt::format("the centre of the wheel of tyre \"{}\" is {:.4g} m above road \"{}\" at the "
+                            "start, less than half of the radius of {:.4g} m",
+                            tyre.name, height, place->surface->name, tyre.radius),
+                path + ".radius", "give the radius in metres, and place the wheel on the road");
+}
+
+}  // namespace
+
 // The ground's shapes are the first ones, in their order.
 void place_roads(const scene::Scene& scene, Model& model) {
   std::size_t next = 0;
-  for (const scene::Force& force : scene.mbd->forces) {
-    const auto* from = std::get_if<scene::Tyre>(&force);
+  for (std::size_t i = 0; i < scene.mbd->forces.size(); ++i) {
+    const auto* from = std::get_if<scene::Tyre>(&scene.mbd->forces[i]);
     if (!from) continue;
     TyreOnLink& tyre = model.tyres[next++];
     if (from->road.empty()) continue;
@@ -331,6 +366,9 @@ void place_roads(const scene::Scene& scene, Model& model) {
       road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2)});
     }
     tyre.road = road;
+    const scene::Joint& joint = scene.mbd->joints[from->joint.value];
+    expect_above(tyre, to_eigen(joint.child_position.value_or(joint.position)) - model.origin,
+                 "mbd.forces[" + std::to_string(i) + "]");
   }
 }
 

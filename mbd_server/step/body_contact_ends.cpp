@@ -124,14 +124,17 @@ double BodyContacts::work(const ContactColumn& column, const Exchange& begin, co
   return h / 6 * (begin.power + 4 * power(model_, column, middle) + end.power);
 }
 
-// The end of a step of length h: contacts that have ended, and friction that slides.
-void BodyContacts::accept(State& state, double h) {
+// The end of a step of length h: contacts that have ended, and friction that slides. Returns whether an
+// impact has ended that the step resolves.
+bool BodyContacts::accept(State& state, double h) {
   const auto& links = system_.links();
   double longest = HUGE_VAL;
   const bool any = state.contacts.cols() > 0;
+  bool impact_ended = false;
   extremes_ = {};
   std::vector<Eigen::Index> kept;
-  for (Candidate& candidate : candidates_) {
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    Candidate& candidate = candidates_[i];
     if (candidate.column < 0) continue;
     const Eigen::Index index = candidate.column;
     auto column = state.contacts.col(index);
@@ -146,6 +149,8 @@ void BodyContacts::accept(State& state, double h) {
     if (f.gap > 0) {
       lose(begin.energy - done, shape_a, shape_b);
       candidate.column = -1;
+      impact_ended |= h <= coarsest * column[ContactRow::period] / steps_per_contact &&
+                      !is_faint(candidate.feature, gaps_[i].rate, -gaps_before_[i].value);
       continue;
     }
     kept.push_back(index);
@@ -167,9 +172,10 @@ void BodyContacts::accept(State& state, double h) {
   keep(state, kept);
   if (any) ++counters_.steps;
   double& touch_step = state.touch_step[0];
-  if (touch_step == 0 && longest == HUGE_VAL) return;
+  if (touch_step == 0 && longest == HUGE_VAL) return impact_ended;
   touch_step = std::min(touch_step > 0 ? growth * touch_step : HUGE_VAL, longest);
   if (touch_step >= requested_) touch_step = 0;
+  return impact_ended;
 }
 
 // Moves the ends of the spring of friction where it slides or its point has moved away: to the stretch that

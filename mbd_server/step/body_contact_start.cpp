@@ -8,7 +8,6 @@
 #include "mbd_server/step/body_contacts.hpp"
 
 namespace tandem::mbd {
-
 void BodyContacts::prepare(State& state) {
   if (model_.contact.empty()) return;
   state.contacts.setZero(ContactRow::count, 0);
@@ -35,7 +34,7 @@ void BodyContacts::expect_outside() const {
                     fmt::format("{} is inside {} at the start, by {:.3g} m; the thinner one reaches {:.3g} m "
                                 "from its middle",
                                 body.name, mesh.name, found.depth, found.thinner),
-                    "mbd.contact", "move one of them: shapes touch from outside");
+                    "mbd.contact", "move one of them: shapes touch from outside" + files_of(body, mesh));
     }
 }
 

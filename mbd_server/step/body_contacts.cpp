@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mbd_server/contact/contact_force.hpp"
+#include "mbd_server/contact/overlap.hpp"
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/step/cubic.hpp"
 
@@ -95,7 +96,10 @@ void BodyContacts::expect_apart(const State& state, double share, ErrorCode code
                 fmt::format("{} and {} {}, by {:.3g} m; the thinner one reaches {:.3g} m from its middle",
                             model_.contact.shape(feature.a).name, model_.contact.shape(feature.b).name, what,
                             depth, thinner),
-                "mbd.contact", hint);
+                "mbd.contact",
+                hint + (code == ErrorCode::scene
+                            ? files_of(model_.contact.shape(feature.a), model_.contact.shape(feature.b))
+                            : std::string()));
   }
 }
 
@@ -136,10 +140,12 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
     go_back(state);
   }
   integrate_wrenches(state, taken);
-  accept(state, taken);
+  const bool impact_ended = accept(state, taken);
   expect_apart(state, 1, ErrorCode::numerics, "pass through each other",
                "give their materials more stiffness, so that they stop each other before that");
-  if (enter_all(state)) start_method(state);
+  // After the end of an impact the algorithmic acceleration still has a part of its force, whose effect would
+  // grow with the steps.
+  if (enter_all(state) || impact_ended) start_method(state);
   return taken;
 }
 

@@ -187,7 +187,7 @@ class BodyContacts {
   // Sets the directions of the rolling spring, given in the world, on the two links.
   static void set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
                                  const LinkMotion& b, Eigen::Ref<ContactColumn> column);
-  void accept(State& state, double h);
+  bool accept(State& state, double h);
   double move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   double move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   void lose(double energy, int shape_a, int shape_b);

@@ -115,6 +115,10 @@ const WrongScene wrong_contacts[] = {
      "'ground' is not computed in this version " NOT_COMPUTED},
     {"OutputOfAnUnknownBody", OUTPUT(R"("name": "feet", "on": ["brid"])"),
      "mbd.contact.outputs[0].on[0]: unknown name 'brid' (did you mean 'bird'?)"},
+    {"OutputOfAShapeOfTheGround", OUTPUT(R"("name": "feet", "on": ["bird"], "from": ["floor"])"),
+     "mbd.contact.outputs[0].from[0]: unknown name 'floor' ('floor' is a shape: write 'ground/floor')"},
+    {"OutputOfAShapeOfABody", OUTPUT(R"("name": "feet", "on": ["a"])"),
+     "mbd.contact.outputs[0].on[0]: unknown name 'a' ('a' is a shape: write 'bird/a')"},
     {"OutputOfABodyWithoutContact", OUTPUT(R"("name": "feet", "on": ["bird", "crate"])"),
      "mbd.contact.outputs[0].on: 'crate' has no shape of contact (give it a shape with \"use\": "
      "\"contact\")"},

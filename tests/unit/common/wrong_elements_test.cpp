@@ -15,7 +15,7 @@ const WrongScene elements[] = {
      ELEMENT(
          R"({"name": "m", "type": "motor", "joint": "slide", "control": "speed", "target": {"type": "constant", "value": 1}})"),
      "mbd.forces[0].joint: joint 'slide' is not revolute (a motor turns; write a cylinder for a "
-     "sliding joint)"},
+     "sliding joint; known revolute joints: hinge, spin)"},
     {"MotorOnADrivenJoint",
      ELEMENT(
          R"({"name": "m", "type": "motor", "joint": "hinge", "control": "speed", "target": {"type": "constant", "value": 1}})"),
@@ -187,7 +187,7 @@ const WrongScene elements[] = {
      ELEMENT(
          R"({"name": "t", "type": "tyre", "joint": "slide", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2})"),
      "mbd.forces[0].joint: joint 'slide' is not revolute (name the joint about which the wheel turns; its "
-     "child is the wheel)"},
+     "child is the wheel; known revolute joints: hinge, spin)"},
     {"TyreThatLies",
      ELEMENT(
          R"({"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_point": [0, 0, -0.3]})"),
@@ -233,10 +233,23 @@ const WrongScene elements[] = {
     {"RoadTwice",
      R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6, "restitution": 0.5, "friction": 0.5}], "ground": [{"name": "kerb", "material": "m", "shape": {"type": "box", "size": [1, 1, 1]}}, {"name": "lane", "material": "m", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}]}}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane", "lane"]}}])",
      "mbd.forces[0].road[0]: 'lane' is given twice (leave one of them out)"},
+    {"TyreAndRigidWheel",
+     R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6, "restitution": 0.5, "friction": 0.5}], "ground": [{"name": "lane", "material": "m", "shape": {"type": "plane", "point": [-0.3, 0, 0], "normal": [1, 0, 0]}}]}}, {"op": "add", "path": "/mbd/bodies/2/shapes", "value": [{"name": "rim", "use": "contact", "material": "m", "shape": {"type": "cylinder", "radius": 0.3, "height": 0.1}}]}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane"]}}])",
+     "mbd.forces[0]: the tyre and the shape of contact 'rim' of its wheel, which reaches 0.3 m from the "
+     "axle, would "
+     "both stand on 'lane' (leave one of them out, make the shape smaller than the radius of 0.3 m, or add "
+     "['ball', 'ground'] to mbd.contact.ignore)"},
+    {"TyreAndRigidWheelOnAPlane",
+     R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6, "restitution": 0.5, "friction": 0.5}], "ground": [{"name": "lane", "material": "m", "shape": {"type": "plane", "point": [-0.3, 0, 0], "normal": [1, 0, 0]}}]}}, {"op": "add", "path": "/mbd/bodies/2/shapes", "value": [{"name": "rim", "use": "contact", "material": "m", "shape": {"type": "cylinder", "radius": 0.3, "height": 0.1}}]}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road_point": [-0.3, 1, 2]}}])",
+     "mbd.forces[0]: the tyre and the shape of contact 'rim' of its wheel, which reaches 0.3 m from the "
+     "axle, would "
+     "both stand on 'lane' (leave one of them out, make the shape smaller than the radius of 0.3 m, or add "
+     "['ball', 'ground'] to mbd.contact.ignore)"},
     {"DrumThatSlides",
      ELEMENT(
          R"({"name": "r", "type": "rope", "drum": "slide", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
-     "mbd.forces[0].drum: joint 'slide' is not revolute (name the joint about which the drum turns)"},
+     "mbd.forces[0].drum: joint 'slide' is not revolute (name the joint about which the drum turns; "
+     "known revolute joints: hinge, spin)"},
     {"DrumThatDoesNotExist",
      ELEMENT(
          R"({"name": "r", "type": "rope", "drum": "spim", "length": 1, "axial_stiffness": 1e5, "points": [{"point": [0.2, 0, 0]}, {"body": "crate", "point": [0.2, 1, 0]}]})"),
@@ -267,6 +280,18 @@ const WrongScene elements[] = {
      "body)"},
 };
 INSTANTIATE_TEST_SUITE_P(Elements, WrongSceneTest, testing::ValuesIn(elements), name_of_case);
+
+// A rim below the tyre's radius, and one that does not touch the ground.
+TEST(Tyres, MayHaveASmallerRim) {
+  EXPECT_EQ(
+      verdict_on_patch(
+          R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6, "restitution": 0.5, "friction": 0.5}], "ground": [{"name": "lane", "material": "m", "shape": {"type": "plane", "point": [-0.3, 0, 0], "normal": [1, 0, 0]}}]}}, {"op": "add", "path": "/mbd/bodies/2/shapes", "value": [{"name": "rim", "use": "contact", "material": "m", "shape": {"type": "cylinder", "radius": 0.25, "height": 0.1}}]}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane"]}}])"),
+      "no error");
+  EXPECT_EQ(
+      verdict_on_patch(
+          R"([{"op": "replace", "path": "/mbd/joints/2", "value": {"name": "spin", "type": "revolute", "child": "ball", "position": [0, 0, 0], "axis": [0, 0, 1]}}, {"op": "add", "path": "/mbd/contact", "value": {"materials": [{"name": "m", "stiffness": 1e6, "restitution": 0.5, "friction": 0.5}], "ignore": [["ball", "ground"]], "ground": [{"name": "lane", "material": "m", "shape": {"type": "plane", "point": [-0.3, 0, 0], "normal": [1, 0, 0]}}]}}, {"op": "add", "path": "/mbd/bodies/2/shapes", "value": [{"name": "rim", "use": "contact", "material": "m", "shape": {"type": "cylinder", "radius": 0.3, "height": 0.1}}]}, {"op": "add", "path": "/mbd/forces/0", "value": {"name": "t", "type": "tyre", "joint": "spin", "radius": 0.3, "stiffness": 1e5, "friction": 1, "slip_stiffness": 10, "cornering_stiffness": 10, "relaxation_length": 0.2, "road_normal": [1, 0, 0], "patch_length": 0.1, "road": ["lane"]}}])"),
+      "no error");
+}
 
 }  // namespace
 }  // namespace tandem::scene::test

@@ -131,9 +131,11 @@ const WrongScene couplers[] = {
      COUPLER(R"("type": "gear", "joint_a": "hinge", "joint_b": "spinn", "ratio": 2)"),
      "mbd.couplers[0].joint_b: unknown name 'spinn' (did you mean 'spin'?)"},
     {"GearOnASlide", COUPLER(R"("type": "gear", "joint_a": "slide", "joint_b": "spin", "ratio": 2)"),
-     "mbd.couplers[0].joint_a: joint 'slide' is not revolute (name a revolute joint)"},
+     "mbd.couplers[0].joint_a: joint 'slide' is not revolute (name a revolute joint; known revolute joints: "
+     "hinge, spin)"},
     {"BeltToASlide", COUPLER(R"("type": "belt", "joint_a": "spin", "joint_b": "slide", "ratio": 2)"),
-     "mbd.couplers[0].joint_b: joint 'slide' is not revolute (gears and belts join revolute joints)"},
+     "mbd.couplers[0].joint_b: joint 'slide' is not revolute (gears and belts join revolute joints; "
+     "known revolute joints: hinge, spin)"},
     {"RackThatTurns",
      COUPLER(R"("type": "rack_and_pinion", "joint_a": "hinge", "joint_b": "spin", "ratio": 2)"),
      "mbd.couplers[0].joint_b: joint 'spin' is not prismatic (a rack slides)"},

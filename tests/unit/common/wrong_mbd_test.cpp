@@ -173,7 +173,7 @@ const WrongScene wrong_mbd[] = {
      "mbd.forces[1].joint: unknown name 'hinge' (there are no joints)"},
     {"RotationalSpringOnASlide", R"([{"op": "replace", "path": "/mbd/forces/1/joint", "value": "slide"}])",
      "mbd.forces[1].joint: joint 'slide' is not revolute (a rotational_spring_damper turns about the axis "
-     "of a revolute joint)"},
+     "of a revolute joint; known revolute joints: hinge)"},
     {"SpringOnOneBody", R"([{"op": "add", "path": "/mbd/forces/0/body_a", "value": "crate"}])",
      "mbd.forces[0].body_b: both ends of 'spring' are on the same body (a spring acts between two bodies, "
      "or a body and the ground)"},

@@ -119,5 +119,30 @@ TEST(ContactOrder, BallSlidesUntilItRolls) {
   expect_order({"ball slides until it rolls", ball_on_floor(0, 0.5, 0.3, {1, 0, 0}), 1, way_of, {}, 1.3});
 }
 
+// Wherever in a step the impact begins and ends.
+TEST(ContactOrder, AnElasticImpactKeepsItsEnergyAtEachPhase) {
+  for (const bool hertz : {false, true})
+    for (const double window : {2e-2, 1e-2, 1e-3}) {
+      double most = 0, least = 0;
+      for (int i = 0; i < 40; ++i) {
+        ContactScene s({0, 0, 0});
+        s.add_floor();
+        s.add_ball("ball", 1, 0.1, {0, 0, 0.101 + 0.01 * std::fmod(i * 0.6180339887, 1)});
+        s.body({0}).twist.v_WB = {0, 0, -1};
+        s.material().restitution = 1;
+        if (hertz) s.material().stiffness.reset(), s.material().young = 1e8, s.material().poisson = 0.3;
+        ContactRun run(s.scene, window);
+        run.advance(static_cast<int>(0.06 / window));
+        EXPECT_GT(run.velocity().z, 0);
+        const double gain = dot(run.velocity(), run.velocity()) - 1;
+        most = std::max(most, gain), least = std::min(least, gain);
+      }
+      const std::string what = std::string(hertz ? "Hertz" : "linear") + ", windows of " +
+                               std::to_string(window) + " s: share of energy that is ";
+      expect_near(what + "gained", most, 0, 5e-4);
+      expect_near(what + "lost", -least, 0, 5e-4);
+    }
+}
+
 }  // namespace
 }  // namespace tandem::mbd

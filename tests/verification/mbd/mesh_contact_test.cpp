@@ -1,4 +1,6 @@
 // Bodies on triangle meshes and height fields, against planes, boxes and closed forms.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <ctime>
 #include <functional>
@@ -353,7 +355,24 @@ TEST(MeshContact, BadMeshesAreRefused) {
   box.vertices.push_back({0, 0, 3});
   box.triangles.push_back({0, 1, 8});
   EXPECT_NE(refused(box).find("more than two triangles"), std::string::npos) << refused(box);
+  // A file in millimetres, of a body that is elsewhere: the message has the coordinates of the file.
+  MeshScene mm;
+  mm.meshes.push_back({"b/b", box});
+  for (Vec3d& p : box.vertices) p = 1e3 * p;
+  mm.add("b", 1, {1, 1, 1}, {7, 8, 9}, scene::MeshShape{"file", 1e-3});
+  const auto corner = [&](std::size_t i) {
+    return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", box.vertices[i].x, box.vertices[i].y, box.vertices[i].z);
+  };
+  const std::string edge = "the edge from " + corner(0) + " to " + corner(1) + " of the file belongs to more";
+  EXPECT_NE(refusal_of(mm, 0).find(edge), std::string::npos) << edge << "\n" << refusal_of(mm, 0);
 
+  MeshScene unscaled;
+  unscaled.add_ground_mesh("block", box_mesh({1000, 1000, 1000}));
+  unscaled.add_ball("ball", 1, 0.1, {0, 0, 1});
+  EXPECT_NE(refusal_of(unscaled, 0)
+                .find("file is 1000 m wide with a scale of 1: a file in millimetres needs \"scale\": 0.001"),
+            std::string::npos)
+      << refusal_of(unscaled, 0);
   MeshScene inside;
   inside.add_ground_mesh("block", box_mesh({4, 4, 4}));
   inside.add_ball("ball", 1, 0.1, {0, 0, 0});

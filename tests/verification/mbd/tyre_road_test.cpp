@@ -232,5 +232,22 @@ TEST(TyreRoad, RefusesWhatItCannotRollOn) {
   EXPECT_EQ(refusal(step(0.02, 0.1)), "");
 }
 
+TEST(TyreRoad, RefusesAWheelInItsRoadAtTheStart) {
+  Rig rig;
+  json scene = on(rig.scene(0), json::array({plane("road")}));
+  scene["mbd"]["forces"][0]["radius"] = 1000 * rig.tyre.radius;
+  std::string what;
+  try {
+    TyreRun run(scene);
+  } catch (const Error& error) {
+    what = error.what();
+  }
+  std::printf("  %s\n", what.c_str());
+  EXPECT_NE(what.find("mbd.forces[0].radius: the centre of the wheel of tyre \"tyre\" is "),
+            std::string::npos);
+  EXPECT_NE(what.find("above road \"road\" at the start, less than half of the radius of "),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace tandem::mbd::tyres
