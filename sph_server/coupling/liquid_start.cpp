@@ -41,6 +41,22 @@ Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth) {
   return liquid;
 }
 
+// In a shorter one a particle would see another one twice, or itself.
+void expect_periods(const particles::Periods& periods, const Liquid& liquid) {
+  const double least = 3 * (liquid.support() + list_skin * liquid.spacing);
+  for (int a = 0; a < 3; ++a)
+    if (periods.length[a] > 0 && periods.length[a] < least)
+      throw Error(
+          ErrorCode::scene,
+          fmt::format("the domain is {:.6g} m long along its periodic axis {}, which is {:.3g} times "
+                      "sph.spacing, and a particle must not see another one twice",
+                      periods.length[a], "xyz"[a], periods.length[a] / liquid.spacing),
+          "sph.domain.periodic",
+          fmt::format("give it {:.6g} m or more, or a spacing of {:.3g} m or less; of a slice of a liquid "
+                      "that is thinner, walls with free_slip are the sides",
+                      least, periods.length[a] / least * liquid.spacing));
+}
+
 // Of a speed of sound by rule beyond that of water: a unit is wrong, or the liquid is no longer
 // incompressible.
 std::optional<std::string> warning_of_speed(const scene::Liquid& given, const Liquid& liquid) {
@@ -87,13 +103,13 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   const scene::Sph& sph = scene.sph.value();
   const scene::Liquid& liquid = sph.liquids.front();
   LiquidStart start;
+  start.walls = walls_of_bodies(scene, meshes);
   start.sites = sites_of(liquid, sph.spacing, scene.gravity);
   start.insides = insides_of(scene, meshes);
   start.depth = start.sites.deepest();
   for (const FilledInside& filled : start.insides) start.depth = std::max(start.depth, filled.depth);
   start.setup.liquid = properties_of(sph, scene.gravity, start.depth);
   expect_sound_speed(liquid, start.setup.liquid, start.depth);
-  start.walls = walls_of_bodies(scene, meshes);
   for (const BodyWalls& body : start.walls) {
     start.poses.push_back(particles::pose_at_start(body.body, scene));
     start.setup.walls.push_back(body.mesh);
@@ -105,12 +121,19 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
     start.setup.walls.push_back(inlet.piston);
     start.setup.slip.push_back(sph.wall_friction == scene::WallFriction::free_slip);
   }
-  check_start(start.sites, scene, start.walls, start.poses);
+  check_start(start.sites, scene, start.walls, start.inlets, start.poses);
   check_inlets(start.inlets, start.walls, start.poses, sph.spacing);
   start.warnings = open_faces(scene, meshes, start.insides, start.setup, start.poses);
+  for (const scene::LiquidInlet& inlet : sph.inlets)
+    if (inlet.start >= scene.end_time)
+      start.warnings.push_back(fmt::format(
+          "sph: inlet '{}' starts at {} s, so that no liquid comes in before the end at {} s: give an "
+          "earlier start or a later end_time",
+          inlet.name, inlet.start, scene.end_time));
   if (const auto warning = warning_of_speed(liquid, start.setup.liquid)) start.warnings.push_back(*warning);
   start.setup.domain = sph.domain;
   start.setup.periods = periods_of(sph);
+  expect_periods(start.setup.periods, start.setup.liquid);
   if (!start.inlets.empty()) {
     const Vec3d size = sph.domain.max - sph.domain.min;
     const double filled = size.x * size.y * size.z / (sph.spacing * sph.spacing * sph.spacing);

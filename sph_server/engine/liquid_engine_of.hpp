@@ -23,8 +23,6 @@
 
 namespace tandem::sph {
 
-inline constexpr double list_skin = 0.3;  // [spacings]
-
 template <class Exec, class Real, bool shifting>
 class LiquidEngineOf final : public LiquidEngine {
  public:

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <tuple>
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/scene/fault.hpp"
 
 namespace tandem::sph {
 namespace {
@@ -48,6 +51,32 @@ const TriangleMesh& mesh_of(const scene::Wall& wall, const std::vector<NamedMesh
     throw Error(ErrorCode::protocol, "no mesh came with wall '" + wall.name + "'", "sph.walls",
                 "the coordinator must send the mesh of every wall");
   return named->mesh;
+}
+
+// Two triangles at one place would act twice, whichever way they face.
+void refuse_doubles(const std::string& wall, const TriangleMesh& mesh) {
+  std::set<std::array<std::array<double, 3>, 3>> known;
+  std::size_t doubles = 0;
+  Vec3d where;
+  for (const auto& t : mesh.triangles) {
+    std::array<std::array<double, 3>, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d v = mesh.vertices[t[k]];
+      corners[k] = {v.x, v.y, v.z};
+    }
+    std::ranges::sort(corners);
+    if (known.insert(corners).second) continue;
+    if (doubles++ == 0) where = 1.0 / 3 * (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]);
+  }
+  if (doubles > 0)
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("{} of {} triangles of wall '{}' are there twice, one of them at {} m of the mesh: they "
+                    "would act twice on the liquid",
+                    doubles, mesh.triangles.size(), wall, scene::rounded(where)),
+        "sph.walls",
+        "remove the doubles in the program that made the mesh; a sheet is one layer of "
+        "triangles, which hold the liquid on both sides");
 }
 
 // Whether a sensor measures the load on this wall alone.
@@ -111,6 +140,7 @@ std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vec
     } else if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape)) {
       round(sphere->radius, [&](int segments) { return sphere_mesh(sphere->radius, segments); });
     } else {
+      refuse_doubles(wall.name, mesh_of(wall, meshes));
       add(mesh_of(wall, meshes));
     }
     group.wall.resize(group.mesh.triangles.size(), wall.name);

@@ -19,7 +19,8 @@ struct BodyWalls {
   std::vector<std::string> inside;  // sentences: walls that are inscribed into round surfaces
 };
 // By body in ascending order, the ground last; of each body first the walls that are for themselves, by name.
-// `meshes`: of the walls with a mesh, by name. Error{protocol} where one is missing.
+// `meshes`: of the walls with a mesh, by name. Error{protocol} where one is missing, Error{scene} for a mesh
+// with two triangles at one place.
 std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 
 // Whether all walls of a body have friction or none has.

@@ -81,47 +81,90 @@ void each_facet(const std::vector<BodyWalls>& walls, std::span<const particles::
   }
 }
 
-}  // namespace
-
-void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
-                 std::span<const particles::BodyPose> poses) {
-  const scene::Sph& sph = scene.sph.value();
-  const std::vector<Lattice> lattices = lattices_of(sph.liquids.front(), sph.spacing);
-  each_facet(walls, poses, [&](const particles::Facet& facet, const std::string& wall) {
-    for (std::size_t k = 0; k < lattices.size(); ++k)
-      visit_near(lattices[k], facet, sph.spacing, [&](std::size_t site, const int* number) {
+// Refuses boxes through which one of the surfaces passes, and particles nearer than nearest_wall to one.
+// what: "wall" or "inlet".
+void expect_clear(const char* what, const std::vector<BodyWalls>& surfaces,
+                  std::span<const particles::BodyPose> poses, const std::vector<Lattice>& lattices,
+                  const Sites& sites, double spacing) {
+  each_facet(surfaces, poses, [&](const particles::Facet& facet, const std::string& name) {
+    for (const Lattice& lattice : lattices)
+      visit_near(lattice, facet, spacing, [&](std::size_t site, const int* number) {
         for (int a = 0; a < 3; ++a) {
-          if (number[a] + 1 == lattices[k].count[a]) continue;
+          if (number[a] + 1 == lattice.count[a]) continue;
           const Vec3d here = sites.position[site];
           Vec3d next = here;
-          next[a] += lattices[k].step[a];
+          next[a] += lattice.step[a];
           if (crosses(facet, here, next))
             throw Error(ErrorCode::scene,
-                        fmt::format("wall '{}' passes through the box, between {} m and {} m", wall,
+                        fmt::format("{} '{}' passes through the box, between {} m and {} m", what, name,
                                     scene::rounded(here), scene::rounded(next)),
-                        place_of_fill(lattices[k].fill),
-                        "let the box end at the wall; where liquid is meant on both sides, give a box for "
-                        "each side");
+                        place_of_fill(lattice.fill),
+                        fmt::format("let the box end at the {}; where liquid is meant on both sides, give a "
+                                    "box for each side",
+                                    what));
         }
       });
   });
-  const double margin = nearest_wall * sph.spacing;
-  each_facet(walls, poses, [&](const particles::Facet& facet, const std::string& wall) {
-    for (std::size_t k = 0; k < lattices.size(); ++k)
-      visit_near(lattices[k], facet, margin, [&](std::size_t site, const int*) {
+  const double margin = nearest_wall * spacing;
+  each_facet(surfaces, poses, [&](const particles::Facet& facet, const std::string& name) {
+    for (const Lattice& lattice : lattices)
+      visit_near(lattice, facet, margin, [&](std::size_t site, const int*) {
         particles::WallContact contact;
         if (!particles::touch_triangle(facet, sites.position[site], margin, contact)) return;
-        throw Error(ErrorCode::scene,
-                    fmt::format("a particle starts at {} m, nearer than {:.3g} m to wall '{}'",
-                                scene::rounded(sites.position[site]), margin, wall),
-                    place_of_fill(lattices[k].fill),
-                    "let the box end at the wall: particles are half a spacing away from its faces");
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("a particle starts at {} m, nearer than {:.3g} m to {} '{}'",
+                        scene::rounded(sites.position[site]), margin, what, name),
+            place_of_fill(lattice.fill),
+            fmt::format("let the box end at the {}: particles are half a spacing away from its faces", what));
       });
   });
 }
 
+// Particles of two inlets that come in at one place would stay there together.
+void expect_apart(const std::vector<Inlet>& inlets, double spacing) {
+  constexpr double nearest = 0.5;  // [spacings]
+  const auto places = [](const Inlet& inlet) {
+    std::vector<Vec3d> all;
+    for (const Vec3d& site : inlet.site)
+      all.push_back(inlet.of.pose.p_WB +
+                    inlet.of.pose.q_WB.rotate(site + Vec3d{0, 0, 0.5 * inlet.thickness}));
+    return all;
+  };
+  for (std::size_t k = 1; k < inlets.size(); ++k) {
+    const std::vector<Vec3d> here = places(inlets[k]);
+    for (std::size_t other = 0; other < k; ++other)
+      for (const Vec3d& y : places(inlets[other]))
+        for (const Vec3d& x : here)
+          if (norm(x - y) < nearest * spacing)
+            throw Error(
+                ErrorCode::scene,
+                fmt::format(
+                    "a particle of the inlet '{}' comes in at {} m, less than half a spacing from one "
+                    "of the inlet '{}'",
+                    inlets[k].of.name, scene::rounded(x), inlets[other].of.name),
+                fmt::format("sph.inlets[{}]", k), "move one of them by a spacing, or leave it out");
+  }
+}
+
+}  // namespace
+
+void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
+                 const std::vector<Inlet>& inlets, std::span<const particles::BodyPose> poses) {
+  const scene::Sph& sph = scene.sph.value();
+  const std::vector<Lattice> lattices = lattices_of(sph.liquids.front(), sph.spacing);
+  expect_clear("wall", walls, poses.first(walls.size()), lattices, sites, sph.spacing);
+  std::vector<BodyWalls> pistons(inlets.size());
+  for (std::size_t k = 0; k < inlets.size(); ++k) {
+    pistons[k].mesh = inlets[k].piston;
+    pistons[k].wall.assign(inlets[k].piston.triangles.size(), inlets[k].of.name);
+  }
+  expect_clear("inlet", pistons, poses.last(inlets.size()), lattices, sites, sph.spacing);
+}
+
 void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
                   std::span<const particles::BodyPose> poses, double spacing) {
+  expect_apart(inlets, spacing);
   for (std::size_t k = 0; k < inlets.size(); ++k) {
     const Inlet& inlet = inlets[k];
     const Vec3d ahead{0, 0, 0.5 * inlet.thickness};

@@ -15,13 +15,13 @@ namespace tandem::sph {
 // shapes and edges of meshes are not on the lattice.
 inline constexpr double nearest_wall = 0.3;  // [spacings]
 
-// `poses`: of the bodies at the start. Error{scene} with the name of the wall for a site
-// that is too near to it, and for a box through which it passes.
+// `poses`: of the bodies at the start, then of the inlets. Error{scene} with the name of the wall or inlet
+// for a site that is too near to it, and for a box through which it passes.
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
-                 std::span<const particles::BodyPose> poses);
+                 const std::vector<Inlet>& inlets, std::span<const particles::BodyPose> poses);
 
 // Error{scene} for an inlet with a wall between the middle of its first layer and one of the particles of
-// this layer, which the wall would cut off.
+// this layer, which the wall would cut off, and for two inlets whose particles come in at one place.
 void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
                   std::span<const particles::BodyPose> poses, double spacing);
 

@@ -129,6 +129,11 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
     filled.depth = depth();
     take_out(scene, meshes, wall.name, up, inside->level.value_or(high), k, filled.region);
     filled.depth = depth();
+    if (filled.depth < sph.spacing * (1 - 1e-9))
+      throw Error(ErrorCode::scene,
+                  fmt::format("the liquid is {:.3g} m deep there, less than sph.spacing of {:.3g} m",
+                              filled.depth, sph.spacing),
+                  place_of_fill(k), "give a tenth of the depth as the spacing, or more liquid");
     const double cube = sph.spacing * sph.spacing * sph.spacing,
                  count = volume_below(filled.region, up, low + filled.depth) / cube;
     if (count >= Neighbour::most)

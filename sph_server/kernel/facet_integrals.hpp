@@ -71,11 +71,12 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
     power_from *= s_from;
     power_to *= s_to;
   }
-  // d j[-1] is a difference of two angles.
-  const double seen = particles::angle_of(d * to, e * s_to) - particles::angle_of(d * from, e * s_from);
-  const double turn = 2 * std::numbers::pi;
+  // d j[-1] is a difference of two angles, with the sign of e, as the angle above, also of an e of rounding
+  // size.
+  const double inwards = std::fabs(e), seen = particles::angle_of(d * to, inwards * s_to) -
+                                              particles::angle_of(d * from, inwards * s_from);
   // An edge through the foot itself subtends no angle, unless the foot is between its ends.
-  const double d_j = d == 0 || (e == 0 && from * to >= 0) ? 0 : seen - turn * std::nearbyint(seen / turn);
+  const double d_j = d == 0 || (e == 0 && from * to >= 0) ? 0 : std::copysign(seen, e);
   j[1] = angle_within;
   j[2] = d * d_j + e * i[0];
   for (int k = 3; k <= 8; ++k) j[k] = d * d * j[k - 2] + e * i[k - 2];

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "sph_server/kernel/common_edge.hpp"
@@ -84,6 +85,31 @@ TEST(FacetIntegrals, AddUpOverParts) {
 
 // What the walls of a closed box hide is the integral of the kernel over everything outside, and the gradient
 // of that integral is the sum of -S n.
+// The particles of a lattice are above the diagonals of the faces of a box, up to rounding.
+TEST(FacetIntegrals, OfTwoTrianglesAreThoseOfTheirRectangleAlsoAboveTheDiagonal) {
+  const double spacing = 0.01, R = 3 * spacing;
+  const WallKernel kernel = WallKernel::of(R, spacing);
+  const Vec3d corner[4] = {
+      {0, 0, 0}, {4 * spacing, 0, 0}, {4 * spacing, 28 * spacing, 0}, {0, 28 * spacing, 0}};
+  double largest = 0;
+  for (const double height : {0.5 * spacing, 1.5 * spacing, 2.5 * spacing})
+    for (int k = -60; k <= 60; ++k) {
+      const double aside = k == 0 ? 0 : std::copysign(std::pow(10.0, -std::abs(k) / 3.0 - 3), k);
+      const Vec3d x{0.5 * spacing + aside, 3.5 * spacing, height}, n{0, 0, 1};
+      const Vec3d one[3] = {corner[0], corner[1], corner[2]}, other[3] = {corner[0], corner[2], corner[3]};
+      FacetIntegrals sum = facet_integrals(x, one, 3, n, kernel);
+      sum += facet_integrals(x, other, 3, n, kernel);
+      const FacetIntegrals whole = facet_integrals(x, corner, 4, n, kernel);
+      largest = std::fmax(largest, std::fabs(sum.surface - whole.surface) * R);
+      largest = std::fmax(largest, norm(sum.moment - whole.moment));
+      largest = std::fmax(largest, std::fabs(sum.shadow - whole.shadow));
+    }
+  std::printf(
+      "two triangles and their rectangle: largest difference expected 0 measured %.3g tolerance 1e-11\n",
+      largest);
+  EXPECT_LT(largest, 1e-11);
+}
+
 TEST(FacetIntegrals, OfABoxAreTheKernelOutsideOfIt) {
   const double a = 0.1, R = 0.3;
   const WallKernel kernel = WallKernel::of(R, 0);

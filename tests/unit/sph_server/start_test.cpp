@@ -168,6 +168,51 @@ TEST(LiquidStart, RefusesABoxThroughWhichAWallPasses) {
   EXPECT_EQ(refusal(scene), "no error");
 }
 
+TEST(LiquidStart, RefusesAFillThatIsThinnerThanASpacing) {
+  json scene = vat();
+  fill_of(scene)[0]["level"] = 0.001;
+  EXPECT_EQ(
+      refusal(scene),
+      "scene: sph.liquids[0].fill[0]: the liquid is 0.001 m deep there, less than sph.spacing of 0.02 m "
+      "(give a tenth of the depth as the spacing, or more liquid)");
+  fill_of(scene)[0]["level"] = 0.02;
+  EXPECT_EQ(refusal(scene), "no error");
+}
+
+TEST(LiquidStart, RefusesAPeriodInWhichParticlesSeeOthersTwice) {
+  json scene = vat();
+  fill_of(scene)[0] = {{"type", "box"}, {"min", {-0.1, -0.1, 0.1}}, {"max", {0.1, 0.1, 0.16}}};
+  scene["sph"]["walls"] = json::array();
+  scene["sph"]["domain"] = {{"min", {-0.5, -0.1, -0.2}}, {"max", {0.5, 0.1, 0.6}}, {"periodic", {"y"}}};
+  EXPECT_EQ(refusal(scene), "no error") << "10 spacings, and 9.9 are enough";
+  fill_of(scene)[0]["min"][1] = -0.06;
+  fill_of(scene)[0]["max"][1] = 0.06;
+  scene["sph"]["domain"]["min"][1] = -0.06;
+  scene["sph"]["domain"]["max"][1] = 0.06;
+  EXPECT_EQ(
+      refusal(scene),
+      "scene: sph.domain.periodic: the domain is 0.12 m long along its periodic axis y, which is 6 times "
+      "sph.spacing, and a particle must not see another one twice (give it 0.198 m or more, or a spacing "
+      "of 0.0121 m or less; of a slice of a liquid that is thinner, walls with free_slip are the sides)");
+}
+
+TEST(LiquidStart, RefusesAMeshWithATriangleTwice) {
+  json scene = vat();
+  scene["sph"]["walls"].push_back({{"name", "sheet"}, {"shape", {{"type", "mesh"}, {"file", "sheet.stl"}}}});
+  const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0.2}, {0.1, 0, 0.2}, {0, 0.1, 0.2}, {0.1, 0.1, 0.2}};
+  mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
+  const auto refused = [&] { return error_of([&] { sph::prepare_start(parsed, {{"sheet", mesh}}); }); };
+  EXPECT_EQ(refused(), "no error");
+  mesh.triangles.push_back({3, 1, 2});  // facing the other way
+  EXPECT_EQ(refused(),
+            "scene: sph.walls: 1 of 3 triangles of wall 'sheet' are there twice, one of them at [0.0666667, "
+            "0.0666667, 0.2] m of the mesh: they would act twice on the liquid (remove the doubles in the "
+            "program that made the mesh; a sheet is one layer of triangles, which hold the liquid on both "
+            "sides)");
+}
+
 TEST(LiquidStart, RefusesASpeedOfSoundThatIsTooLow) {
   json scene = vat();
   scene["sph"]["liquids"][0]["sound_speed"] = 2;

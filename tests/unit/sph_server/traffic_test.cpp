@@ -115,6 +115,40 @@ TEST(Inlet, IsRefusedWhereAWallPassesThroughIt) {
   EXPECT_EQ(error_of([&] { TrafficRun run(scene); }), "no error");
 }
 
+TEST(Inlet, IsRefusedInLiquidAndInAnotherInlet) {
+  nlohmann::json scene = channel();
+  scene["sph"]["liquids"][0]["fill"] = {
+      {{"type", "box"}, {"min", {-0.02, -0.02, 0}}, {"max", {0.04, 0.02, 0.04}}}};
+  EXPECT_TRUE(
+      error_of([&] {
+        TrafficRun run(scene);
+      }).starts_with("scene: sph.liquids[0].fill[0]: inlet 'pipe' passes through the box, between ["));
+  scene["sph"]["liquids"][0]["fill"][0]["min"][0] = 0;
+  EXPECT_EQ(error_of([&] { TrafficRun run(scene); }), "no error") << "the box ends at the inlet";
+  scene = channel();
+  nlohmann::json other = scene["sph"]["inlets"][0];
+  other["name"] = "other";
+  other["position"][0] = 0.002;
+  scene["sph"]["inlets"].push_back(other);
+  const std::string refused = error_of([&] { TrafficRun run(scene); });
+  EXPECT_TRUE(refused.starts_with("scene: sph.inlets[1]: a particle of the inlet 'other' comes in at ["))
+      << refused;
+  EXPECT_TRUE(
+      refused.ends_with("m, less than half a spacing from one of the inlet 'pipe' (move one of them by a "
+                        "spacing, or leave it out)"))
+      << refused;
+}
+
+TEST(Inlet, ThatStartsAfterTheEndIsWarnedOf) {
+  nlohmann::json scene = channel();
+  scene["sph"]["inlets"][0]["start"] = 20;
+  TrafficRun run(scene);
+  const std::string report = run.report().dump();
+  EXPECT_NE(report.find("inlet 'pipe' starts at 20 s, so that no liquid comes in before the end at 10 s"),
+            std::string::npos)
+      << report;
+}
+
 TEST(Inlet, FillsAChannelAndTheDrainEmptiesIt) {
   TrafficRun run;
   double worst = 0, scale = 0;
