@@ -170,12 +170,13 @@ class BodyContacts {
   // A candidate that comes into contact [m/s], [kg].
   struct Entry {
     std::size_t candidate;
-    double rate, mass = 0;
+    double rate, mass = 0, mass_a = 0, mass_b = 0;
     bool faint = false;
   };
   void find_machines();
   int machine_of(int shape) const;
   void find_masses();
+  void find_pressing_masses(State& state);
   void enter(State& state, const Entry& entry, Eigen::Index index);
   // Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
   static constexpr double start_overlap = 0.1;
@@ -243,6 +244,8 @@ class BodyContacts {
   std::vector<std::size_t> now_;               // entries that share a solution
   std::vector<int> machine_of_link_;           // none: ground (links)
   std::vector<bool> busy_;                     // (links)
+  std::vector<int> pressed_with_;              // a machine, or itself (links)
+  std::vector<double> pressing_;               // [kg] (links)
   Gaps gaps_before_, gaps_;                    // (candidates)
   std::vector<Exchange> at_begin_, at_end_;    // (points in contact)
   VectorXd unit_, response_, dlambda_, zero_;  // wrenches of unit forces at points, and their effect

@@ -166,7 +166,7 @@ TEST(RollingFriction, Derivatives) {
     set_feature(feature, column);
     const Touch t = touch(model, feature, links);
     ASSERT_LT(t.gap, 0);
-    column[ContactRow::mass] = 0.3, column[ContactRow::entry_rate] = 0.4;
+    column[ContactRow::mass] = column[ContactRow::pressing_mass] = 0.3, column[ContactRow::entry_rate] = 0.4;
     column[ContactRow::stiffness] = 3e4, column[ContactRow::damping] = 20;
     column.segment<3>(ContactRow::on_a) = in_link(links[one], t.p);
     column.segment<3>(ContactRow::on_b) = in_link(links[two], t.p + Vector3d(1e-4, 2e-4, -1e-4));
