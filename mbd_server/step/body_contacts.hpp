@@ -189,6 +189,8 @@ class BodyContacts {
   static void set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
                                  const LinkMotion& b, Eigen::Ref<ContactColumn> column);
   void accept(State& state, double h);
+  void make_ready(State& state, double h);
+  void aim_springs(State& state, double h) const;
   double move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   double move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   void lose(double energy, int shape_a, int shape_b);
@@ -199,7 +201,8 @@ class BodyContacts {
   double longest_step(const State& state, double h) const;
   bool vibrates(const ContactColumn& column, const Exchange& now) const;
   bool is_impact(const State& state, const ContactColumn& column, const Exchange& now) const;
-  double resolving_step(const State& state) const;
+  double resolving_step(const State& state, double h) const;
+  double shortest_period(const State& state) const;
 
   const Model& model_;
   GeneralizedAlpha& method_;
@@ -208,6 +211,7 @@ class BodyContacts {
   Stiction& stiction_;
   StopContacts::Mark stops_before_;
   StictionCounters stiction_before_;
+  ShortenedSteps shortened_before_;
   double requested_ = 0, energy_scale_ = 0;
   double tolerance_ = 0;  // of a gap, where the contact is not stiff [m]
   double least_ = 0;      // round-off of a gap [m]
