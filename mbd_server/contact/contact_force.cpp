@@ -19,12 +19,12 @@ struct NormalForce {
 };
 
 NormalForce normal_force(const ContactLaw& law, double depth, double gap_rate, double entry_rate,
-                         double mass) {
+                         double pressing_mass) {
   if (!(depth > 0)) return {};
   const double n = power_of(law), elastic = law.stiffness * depth * (law.hertz ? std::sqrt(depth) : 1);
   double c = 0, by_depth = 0;  // of c
   if (law.damping_number > 0) {
-    const double deep = share * std::sqrt(2 * normal_energy(law, depth) / mass);
+    const double deep = share * std::sqrt(2 * normal_energy(law, depth) / pressing_mass);
     if (deep > entry_rate)
       c = law.damping_number / deep, by_depth = -c * (n + 1) / (2 * depth);
     else
@@ -114,7 +114,7 @@ double power(const Model& model, const ContactColumn& column, const ContactMotio
   const ContactLaw law = model.contact.law(static_cast<int>(column[ContactRow::shape_a]),
                                            static_cast<int>(column[ContactRow::shape_b]));
   const double normal = normal_force(law, -motion.gap, motion.gap_rate, column[ContactRow::entry_rate],
-                                     column[ContactRow::mass])
+                                     column[ContactRow::pressing_mass])
                             .force;
   // Of a spring and a damper that give at most `most`.
   const auto of = [](double k, double c, const Vector3d& stretch, const Vector3d& rate, double most) {
@@ -172,7 +172,7 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   f.velocity = at_point(V, p);
   const double gap_rate = n.dot(f.velocity);
   const NormalForce normal =
-      normal_force(law, -t.gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::mass]);
+      normal_force(law, -t.gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::pressing_mass]);
   f.normal = normal.force;
   f.energy = normal_energy(law, -t.gap);
 

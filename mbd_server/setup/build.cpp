@@ -243,8 +243,9 @@ class Builder {
   }
 
   // Size and origin, from the points of the file. The size is twice the largest distance from their centre,
-  // so that it does not depend on the frame. The origin is a multiple of a power of two of about the size:
-  // positions relative to it are exact, and a machine near the world's origin keeps that origin.
+  // so that it does not depend on the frame; or that of the largest shape by which a body touches others. The
+  // origin is a multiple of a power of two of about the size: positions relative to it are exact, and a
+  // machine near the world's origin keeps that origin.
   void measure() {
     std::vector<Vector3d> points;
     const auto add = [&](Vec3d p) { points.push_back(to_eigen(p)); };
@@ -266,7 +267,8 @@ class Builder {
     double radius = 0;
     for (const Vector3d& p : points) radius = std::max(radius, (p - centre).norm());
     // Where all points coincide, the radius is round-off.
-    if (radius > 1e-12 * centre.norm()) model_.size = 2 * radius;
+    const double shape = largest_contact_shape(scene_, meshes_);
+    if (radius > 1e-12 * centre.norm() || shape > 0) model_.size = std::max(2 * radius, shape);
     const double grid = std::exp2(std::ceil(std::log2(model_.size)));
     model_.origin = grid * (centre / grid).array().round().matrix();
   }

@@ -19,6 +19,39 @@ namespace {
 // Ratio of the tangential to the normal stiffness of a linear contact, as law `hooke` of the particles has.
 constexpr double linear_ratio = 2. / 7;
 
+const TriangleMesh& file_of(const scene::Scene& scene, const scene::Shape& shape,
+                            const std::vector<NamedMesh>& meshes) {
+  const std::string name = scene::contact_mesh_name(scene, shape);
+  for (const NamedMesh& mesh : meshes)
+    if (mesh.name == name) return mesh.mesh;
+  throw Error(ErrorCode::scene, "the solver has not received the triangles of " + name,
+              shape.path + ".shape.file", "send them with the scene, as tandem does");
+}
+
+// Twice the largest distance of points from their centre [m].
+double diameter(const std::vector<Vec3d>& points) {
+  Vec3d centre{};
+  for (const Vec3d& p : points) centre = centre + (1 / static_cast<double>(points.size())) * p;
+  double radius = 0;
+  for (const Vec3d& p : points) radius = std::max(radius, norm(p - centre));
+  return 2 * radius;
+}
+
+double diameter(const scene::Scene& scene, const scene::Shape& shape, const std::vector<NamedMesh>& meshes) {
+  if (const auto* sphere = std::get_if<scene::SphereShape>(&shape.geometry)) return 2 * sphere->radius;
+  if (const auto* capsule = std::get_if<scene::CapsuleShape>(&shape.geometry))
+    return 2 * capsule->radius + capsule->height;
+  if (const auto* cylinder = std::get_if<scene::CylinderShape>(&shape.geometry))
+    return std::hypot(2 * cylinder->radius, *cylinder->height);
+  if (const auto* box = std::get_if<scene::BoxShape>(&shape.geometry)) return norm(box->size);
+  if (const auto* hull = std::get_if<scene::HullShape>(&shape.geometry); hull && hull->file.empty())
+    return diameter(hull->points);
+  if (const auto* field = std::get_if<scene::HeightFieldShape>(&shape.geometry))
+    return diameter(height_field_mesh(field->size_x, field->size_y, field->heights, field->base).vertices);
+  if (std::holds_alternative<scene::PlaneShape>(shape.geometry)) return 0;
+  return diameter(file_of(scene, shape, meshes).vertices);
+}
+
 struct ContactPlacer {
   const Placement& at;
   Model& model;
@@ -26,11 +59,7 @@ struct ContactPlacer {
   const std::vector<NamedMesh>& meshes;
 
   const TriangleMesh& file_of(const scene::Shape& shape) const {
-    const std::string name = scene::contact_mesh_name(at.scene, shape);
-    for (const NamedMesh& mesh : meshes)
-      if (mesh.name == name) return mesh.mesh;
-    throw Error(ErrorCode::scene, "the solver has not received the triangles of " + name,
-                shape.path + ".shape.file", "send them with the scene, as tandem does");
+    return tandem::mbd::file_of(at.scene, shape, meshes);
   }
 
   // Where a shape is far too large a scale is missing.
@@ -349,6 +378,13 @@ void expect_above(const TyreOnLink& tyre, const Vector3d& centre, const std::str
 }
 
 }  // namespace
+
+double largest_contact_shape(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+  double largest = 0;
+  for (const scene::Shape& shape : scene.shapes)
+    if (shape.use == scene::ShapeUse::contact) largest = std::max(largest, diameter(scene, shape, meshes));
+  return largest;
+}
 
 // The ground's shapes are the first ones, in their order.
 void place_roads(const scene::Scene& scene, Model& model) {

@@ -33,6 +33,8 @@ void place_closures(const Placement& placement, Model& model);
 void place_forces(const Placement& placement, Model& model);
 // `meshes`: as of build_model().
 void place_contacts(const Placement& placement, const std::vector<NamedMesh>& meshes, Model& model);
+// Diameter of a sphere about the largest shape by which a body touches others [m]; 0: there is none.
+double largest_contact_shape(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 // After the contacts, whose shapes the roads are.
 void place_roads(const scene::Scene& scene, Model& model);
 void add_stiction(Model& model);

@@ -26,6 +26,9 @@ struct StopRow {
 struct ContactRow {
   enum Row : Eigen::Index {
     mass,                 // that the point feels as the contact begins [kg]; 0: no contact
+    mass_a,               // that it would feel there if the other body were fixed: of a [kg]; 0: a is held
+    mass_b,               // of b, likewise
+    pressing_mass,        // of the bodies that press each other here and in the contacts next to it [kg]
     entry_rate,           // at which the shapes approached each other then [m/s]
     entry_time,           // [s]
     finest,               // length to which Newton's method finds the gap [m]; 0: its own tolerance does

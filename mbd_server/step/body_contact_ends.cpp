@@ -18,8 +18,8 @@ constexpr double sudden = 0.125;
 constexpr double coarsest = 4, coarser_from = 1e3;
 // Impacts that end again last one to some durations of one without loads.
 constexpr double lasting = 10;
-// The spring of friction gets new ends where the point of contact has moved away by this share of the radius.
-constexpr double rolled = 1e-3;
+// The spring of friction gets new ends where the point of contact moves away by this share of the radius.
+constexpr double rolled = 1e-9;
 // That of rolling friction where the normal has turned by this angle against its directions [rad].
 constexpr double turned = 1e-2;
 
@@ -106,7 +106,8 @@ double BodyContacts::Exchange::square(const ContactColumn& column) const {
 }
 
 // Work of a point on the links over a step, by Simpson's rule; in the middle of the step gap, stretch and
-// bend are those of the cubics through both ends (energy_balance.hpp).
+// bend are those of the cubics through both ends (energy_balance.hpp). A cubic is far from the motion where
+// the step does not resolve the contact: then it is the mean of the forces at both ends, at the mean rate.
 double BodyContacts::work(const ContactColumn& column, const Exchange& begin, const Exchange& end,
                           double h) const {
   if (!(h > 0)) return 0;
@@ -115,6 +116,13 @@ double BodyContacts::work(const ContactColumn& column, const Exchange& begin, co
     v = 1.5 / h * (x1 - x0) - 0.25 * (v0 + v1);
   };
   const ContactMotion &m0 = begin.motion, &m1 = end.motion;
+  if (h > growth * column[ContactRow::period] / steps_per_vibration) {
+    ContactMotion first = m0, last = m1;
+    first.gap_rate = last.gap_rate = (m1.gap - m0.gap) / h;
+    first.sliding = last.sliding = (m1.stretch - m0.stretch) / h;
+    first.rolling = last.rolling = (m1.bend - m0.bend) / h;
+    return 0.5 * h * (power(model_, column, first) + power(model_, column, last));
+  }
   ContactMotion middle;
   between(m0.gap, m1.gap, m0.gap_rate, m1.gap_rate, middle.gap, middle.gap_rate);
   between(m0.stretch, m1.stretch, m0.sliding, m1.sliding, middle.stretch, middle.sliding);
@@ -178,8 +186,33 @@ bool BodyContacts::accept(State& state, double h) {
   return impact_ended;
 }
 
-// Moves the ends of the spring of friction where it slides or its point has moved away: to the stretch that
-// has the friction with which the step ended, without its damping. Returns the energy of the spring [J].
+// Before a step of length h, moves the ends of the springs of friction of round surfaces to where the point
+// of contact will be in the middle of the step, and keeps their stretch. The ends are in the two bodies; a
+// spin about the normal moves them past each other where the point of contact is elsewhere, which is no
+// sliding. Over the step this cancels.
+void BodyContacts::aim_springs(State& state, double h) const {
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    if (!(state.contacts(ContactRow::stiffness, k) > 0)) continue;
+    auto column = state.contacts.col(k);
+    const ContactFeature feature = feature_of(column);
+    const double radius =
+        std::max(model_.contact.shape(feature.a).radius, model_.contact.shape(feature.b).radius);
+    if (!(radius > 0)) continue;
+    const LinkMotion &a = link_of(model_, feature.a, system_.links()),
+                     &b = link_of(model_, feature.b, system_.links());
+    const Touch t = touch(model_, feature, system_.links(), Derivatives::with);
+    const auto across = [&](const Vector3d& x) { return Vector3d(x - t.n.dot(x) * t.n); };
+    const Vector3d rate = t.dp_a * a.V + t.dp_b * b.V - 0.5 * (at_point(a.V, t.p) + at_point(b.V, t.p)),
+                   middle = t.p + 0.5 * h * across(rate);
+    if (!(across(middle - a.point(column.segment<3>(ContactRow::on_a))).norm() > rolled * radius)) continue;
+    const Vector3d stretch = evaluate(model_, column, system_.links(), Derivatives::without).spring_stretch();
+    column.segment<3>(ContactRow::on_a) = in_link(a, middle);
+    column.segment<3>(ContactRow::on_b) = in_link(b, middle + stretch);
+  }
+}
+
+// Moves the ends of the spring of friction where it slides: to the stretch that has the friction with which
+// the step ended, without its damping. Returns the energy of the spring [J].
 double BodyContacts::move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const {
   const auto& links = system_.links();
   const ContactShape &a = model_.contact.shape(static_cast<int>(column[ContactRow::shape_a])),
@@ -195,11 +228,6 @@ double BodyContacts::move_spring(const ContactForce& f, Eigen::Ref<ContactColumn
   if (slips) {
     const Vector3d v_t = f.velocity - f.n.dot(f.velocity) * f.n;
     stretch = left_over(f.friction, along.damping * column[ContactRow::damping] * v_t, stiffness);
-  }
-  const Vector3d away = f.p - link_a.point(column.segment<3>(ContactRow::on_a));
-  const double radius = std::max(a.radius, b.radius);
-  const bool has_rolled = radius > 0 && (away - f.n.dot(away) * f.n).norm() > rolled * radius;
-  if (slips || has_rolled) {
     column.segment<3>(ContactRow::on_a) = in_link(link_a, f.p);
     column.segment<3>(ContactRow::on_b) = in_link(link_b, f.p + stretch);
   } else if (f.stiffer > 0) {
@@ -252,8 +280,7 @@ bool BodyContacts::is_impact(const State& state, const ContactColumn& column, co
 // A load that jumps makes a body vibrate on its contacts. A step that does not resolve this has another
 // energy, and dampers at the points take another part of it.
 bool BodyContacts::vibrates(const ContactColumn& column, const Exchange& now) const {
-  return now.motion.gap < 0 &&
-         0.5 * column[ContactRow::mass] * now.square(column) > least_vibration * energy_scale_;
+  return 0.5 * column[ContactRow::mass] * now.square(column) > least_vibration * energy_scale_;
 }
 
 }  // namespace tandem::mbd

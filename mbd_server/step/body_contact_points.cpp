@@ -2,6 +2,7 @@
 // that touch anew enter.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "mbd_server/step/body_contacts.hpp"
 
@@ -16,6 +17,8 @@ constexpr double merged = 1e-4;
 constexpr Eigen::Index part_of_another = -2;  // of such a point, in column_of_
 // Newton's method finds the depth of a contact to this share of that under the weight that the point feels.
 constexpr double resolved = 1e-3;
+// A body is held along a contact where it gives way by less than this share of the other one.
+constexpr double held = 1e-6;
 
 }  // namespace
 
@@ -157,12 +160,12 @@ bool BodyContacts::enter_all(State& state, bool at_start) {
     entries_.back().faint =
         !at_start && rate * rate < faint_square(candidates_[i].feature.a, candidates_[i].feature.b);
   }
-  if (entries_.empty()) return false;
-  find_masses();
+  if (!entries_.empty()) find_masses();
   const Eigen::Index first = state.contacts.cols();
   state.contacts.conservativeResize(Eigen::NoChange, first + std::ssize(entries_));
   for (std::size_t i = 0; i < entries_.size(); ++i)
     enter(state, entries_[i], first + static_cast<Eigen::Index>(i));
+  find_pressing_masses(state);
   return !std::ranges::all_of(entries_, &Entry::faint);
 }
 
@@ -203,13 +206,15 @@ void BodyContacts::find_masses() {
       const ContactFeature& f = candidates_[entries_[i].candidate].feature;
       const Touch t = touch(model_, f, links, Derivatives::without);
       const Vector6d wrench = wrench_at(t.p, t.n);
-      double compliance = 0;
-      along(model_.contact.shape(f.b).link, wrench,
-            [&](int u, double part) { compliance += part * response_[u]; });
-      along(model_.contact.shape(f.a).link, wrench,
-            [&](int u, double part) { compliance -= part * response_[u]; });
+      double of_a = 0, of_b = 0;  // compliance
+      along(model_.contact.shape(f.b).link, wrench, [&](int u, double part) { of_b += part * response_[u]; });
+      along(model_.contact.shape(f.a).link, wrench, [&](int u, double part) { of_a -= part * response_[u]; });
       // Bodies that motions or loops hold have no inertia along the contact; any finite value serves.
-      entries_[i].mass = compliance > 0 ? 1 / compliance : 1e6 * model_.contact.law(f.a, f.b).stiffness;
+      const double compliance = of_a + of_b;
+      Entry& e = entries_[i];
+      e.mass = compliance > 0 ? 1 / compliance : 1e6 * model_.contact.law(f.a, f.b).stiffness;
+      if (machine_of(f.a) == machine_of(f.b)) of_a = of_b = compliance;
+      e.mass_a = of_a > held * compliance ? 1 / of_a : 0, e.mass_b = of_b > held * compliance ? 1 / of_b : 0;
     }
     left -= now_.size();
   }
@@ -217,6 +222,46 @@ void BodyContacts::find_masses() {
 
 int BodyContacts::machine_of(int shape) const {
   return machine_of_link_[static_cast<std::size_t>(model_.contact.shape(shape).link)];
+}
+
+// Machines that touch each other, other than through what is held, press each other with the sum of their
+// masses: of each machine the largest that one of its points feels.
+void BodyContacts::find_pressing_masses(State& state) {
+  std::vector<int>& next = pressed_with_;
+  next.resize(machine_of_link_.size());
+  std::iota(next.begin(), next.end(), 0);
+  pressing_.assign(next.size(), 0);
+  const auto first = [&](int i) {
+    while (next[static_cast<std::size_t>(i)] != i)
+      i = next[static_cast<std::size_t>(i)] =
+          next[static_cast<std::size_t>(next[static_cast<std::size_t>(i)])];
+    return i;
+  };
+  const auto side = [&](Eigen::Index k, ContactRow::Row shape, ContactRow::Row mass) {
+    return state.contacts(mass, k) > 0 ? machine_of(static_cast<int>(state.contacts(shape, k))) : none;
+  };
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const int a = side(k, ContactRow::shape_a, ContactRow::mass_a),
+              b = side(k, ContactRow::shape_b, ContactRow::mass_b);
+    const auto add = [&](int machine, ContactRow::Row mass) {
+      if (machine == none) return;
+      double& most = pressing_[static_cast<std::size_t>(machine)];
+      most = std::max(most, state.contacts(mass, k));
+    };
+    add(a, ContactRow::mass_a), add(b, ContactRow::mass_b);
+    if (a != none && b != none)
+      next[static_cast<std::size_t>(std::max(first(a), first(b)))] = std::min(first(a), first(b));
+  }
+  for (std::size_t i = next.size(); i-- > 0;)
+    if (const int root = first(static_cast<int>(i)); root != static_cast<int>(i))
+      pressing_[static_cast<std::size_t>(root)] += pressing_[i];
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const int a = side(k, ContactRow::shape_a, ContactRow::mass_a),
+              b = side(k, ContactRow::shape_b, ContactRow::mass_b), machine = a != none ? a : b;
+    state.contacts(ContactRow::pressing_mass, k) = machine != none
+                                                       ? pressing_[static_cast<std::size_t>(first(machine))]
+                                                       : state.contacts(ContactRow::mass, k);
+  }
 }
 
 // Links that move with each other through joints or closures are one machine.
@@ -261,6 +306,7 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   ContactColumn column = ContactColumn::Zero();
   set_feature(feature, column);
   column[ContactRow::mass] = entry.mass;
+  column[ContactRow::mass_a] = entry.mass_a, column[ContactRow::mass_b] = entry.mass_b;
   column[ContactRow::entry_rate] = entry.rate;
   column[ContactRow::entry_time] = state.time;
   // A contact that begins at rest gets the period at a depth of the tolerance, until it is deeper.

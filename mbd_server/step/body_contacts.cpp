@@ -19,6 +19,9 @@ constexpr double largest_turn = 0.5;
 // A round surface that rolls by the angle x in a step takes the end of its spring of friction along a
 // cycloid, which differs from the way by x^3 / 6 of the radius: by 4e-4 of the way at this angle [rad].
 constexpr double largest_roll = 0.05;
+// A round surface that rolls by more than the least angle spins by at most the largest one in a step: its
+// spin turns the way on which it rolls [rad].
+constexpr double least_roll = 1e-3, largest_spin = 0.1;
 // A step that passes the end of a contact within these shares of its length is not cut; one that is cut
 // passes the end by at most late_share.
 constexpr double early_end = 0.01, late_end = 0.99, late_share = 0.01;
@@ -120,10 +123,21 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   before_ = state;
   stops_before_ = stops_.mark();
   stiction_before_ = stiction_.counters();
+  shortened_before_ = method_.shortened();
   record(state, at_begin_, at_begin_wrench_);
   double limit = longest_step(state, h), taken = 0;
   while (true) {
-    taken = stride(limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h);
+    const double planned = limit < h ? h / std::ceil(h / limit * (1 - 1e-9)) : h;
+    make_ready(state, planned);
+    taken = stride(planned);
+    // Where Newton's method fails, the contacts may be what the step does not resolve.
+    const double resolved = shortest_period(before_) / steps_per_vibration;
+    if (method_.shortened().count > shortened_before_.count && taken > growth * resolved) {
+      limit = resolved;
+      go_back(state);
+      state.touch_step[0] = limit;
+      continue;
+    }
     measure(state, gaps_);
     if (taken > least_halved * h && went_through()) {
       limit = 0.5 * taken;
@@ -134,7 +148,7 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
     if (first) taken = cut(state, taken, *first, stride);
     expect_progress(h, taken, first);
     record(state, at_end_, at_end_wrench_);
-    const double resolving = resolving_step(state);
+    const double resolving = resolving_step(state, taken);
     if (taken <= growth * resolving) break;
     limit = resolving;
     go_back(state);
@@ -147,6 +161,16 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   // grow with the steps.
   if (enter_all(state) || impact_ended) start_method(state);
   return taken;
+}
+
+// Before a step of length h, or of the one that error control tries next. The rate of u' over a much shorter
+// step before, in which a contact ended or began, tells nothing of this one (GeneralizedAlpha::start()).
+void BodyContacts::make_ready(State& state, double h) {
+  if (state.next_step > 0) h = std::min(h, state.next_step);
+  aim_springs(state, h);
+  if (h > growth * state.step &&
+      h * h * system_.norm(state.udot_rate) > system_.norm(state.u) + h * system_.norm(state.udot))
+    state.udot_rate.setZero();
 }
 
 // Throws where events of contacts leave no length to many steps in a row.
@@ -227,10 +251,13 @@ void BodyContacts::go_back(State& state) {
   state = before_;
   stops_.back(stops_before_);
   stiction_.back(stiction_before_);
+  method_.back(shortened_before_);
+  system_.residual(state);
 }
 
 double BodyContacts::repeat(State& state, double h, const Stride& stride) {
   go_back(state);
+  make_ready(state, h);
   const double taken = stride(h);
   measure(state, gaps_);
   return taken;
@@ -275,13 +302,25 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
   }
 }
 
-// Longest step that resolves the vibrations at the end of a step [s].
-double BodyContacts::resolving_step(const State& state) const {
-  double longest = HUGE_VAL;
+double BodyContacts::shortest_period(const State& state) const {
+  double shortest = HUGE_VAL;
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
-    if (const Exchange& now = at_end_[static_cast<std::size_t>(k)];
-        vibrates(state.contacts.col(k), now) || is_impact(state, state.contacts.col(k), now))
-      longest = std::min(longest, period(state.contacts.col(k), -now.motion.gap) / steps_per_vibration);
+    shortest = std::min(shortest, state.contacts(ContactRow::period, k));
+  return shortest;
+}
+
+// Longest step that resolves the vibrations and impacts of a step of length h [s]: those at its end, and
+// those that ended so early in it that it was not cut there.
+double BodyContacts::resolving_step(const State& state, double h) const {
+  double longest = HUGE_VAL;
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    const auto column = state.contacts.col(k);
+    const ContactMotion& begin = at_begin_[static_cast<std::size_t>(k)].motion;
+    const Exchange& now = at_end_[static_cast<std::size_t>(k)];
+    const bool flung = begin.gap < 0 && now.motion.gap > 2 * late_share * h * std::abs(now.motion.gap_rate);
+    if (((now.motion.gap < 0 || flung) && vibrates(column, now)) || is_impact(before_, column, now))
+      longest = std::min(longest, period(column, -now.motion.gap) / steps_per_vibration);
+  }
   return longest;
 }
 
@@ -309,8 +348,10 @@ double BodyContacts::longest_step(const State& state, double h) const {
     const Vector3d n = touch(model_, f, system_.links(), Derivatives::without).n,
                    w = (link_of(model_, f.b, system_.links()).V - link_of(model_, f.a, system_.links()).V)
                            .head<3>();
-    const double rolling = (w - n.dot(w) * n).norm();
+    const double rolling = (w - n.dot(w) * n).norm(), spin = std::abs(n.dot(w));
     if (rolling * longest > largest_roll) longest = largest_roll / rolling;
+    if (spin * longest > largest_spin && rolling * longest > least_roll)
+      longest = std::max(largest_spin / spin, least_roll / rolling);
   }
   for (const ContactShape& shape : model_.contact.shapes) {
     if (shape.kind == ContactShape::Kind::sphere || shape.link == 0) continue;

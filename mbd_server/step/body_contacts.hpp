@@ -170,12 +170,13 @@ class BodyContacts {
   // A candidate that comes into contact [m/s], [kg].
   struct Entry {
     std::size_t candidate;
-    double rate, mass = 0;
+    double rate, mass = 0, mass_a = 0, mass_b = 0;
     bool faint = false;
   };
   void find_machines();
   int machine_of(int shape) const;
   void find_masses();
+  void find_pressing_masses(State& state);
   void enter(State& state, const Entry& entry, Eigen::Index index);
   // Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
   static constexpr double start_overlap = 0.1;
@@ -188,6 +189,8 @@ class BodyContacts {
   static void set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
                                  const LinkMotion& b, Eigen::Ref<ContactColumn> column);
   bool accept(State& state, double h);
+  void make_ready(State& state, double h);
+  void aim_springs(State& state, double h) const;
   double move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   double move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   void lose(double energy, int shape_a, int shape_b);
@@ -198,7 +201,8 @@ class BodyContacts {
   double longest_step(const State& state, double h) const;
   bool vibrates(const ContactColumn& column, const Exchange& now) const;
   bool is_impact(const State& state, const ContactColumn& column, const Exchange& now) const;
-  double resolving_step(const State& state) const;
+  double resolving_step(const State& state, double h) const;
+  double shortest_period(const State& state) const;
 
   const Model& model_;
   GeneralizedAlpha& method_;
@@ -207,6 +211,7 @@ class BodyContacts {
   Stiction& stiction_;
   StopContacts::Mark stops_before_;
   StictionCounters stiction_before_;
+  ShortenedSteps shortened_before_;
   double requested_ = 0, energy_scale_ = 0;
   double tolerance_ = 0;  // of a gap, where the contact is not stiff [m]
   double least_ = 0;      // round-off of a gap [m]
@@ -243,6 +248,8 @@ class BodyContacts {
   std::vector<std::size_t> now_;               // entries that share a solution
   std::vector<int> machine_of_link_;           // none: ground (links)
   std::vector<bool> busy_;                     // (links)
+  std::vector<int> pressed_with_;              // a machine, or itself (links)
+  std::vector<double> pressing_;               // [kg] (links)
   Gaps gaps_before_, gaps_;                    // (candidates)
   std::vector<Exchange> at_begin_, at_end_;    // (points in contact)
   VectorXd unit_, response_, dlambda_, zero_;  // wrenches of unit forces at points, and their effect

@@ -85,6 +85,8 @@ class GeneralizedAlpha final : public ControlledMethod {
 
   std::string largest_state_error(const System& system) const override { return system.worst_state(dz_); }
   const ShortenedSteps& shortened() const { return shortened_; }
+  // A step that is repeated takes back what it has counted.
+  void back(const ShortenedSteps& shortened) { shortened_ = shortened; }
   // Sum of the local errors of the position of the parts of the last step() [-]; none: it was taken whole.
   std::optional<double> error_of_parts() const { return error_of_parts_; }
   const GeneralizedAlphaConstants& constants() const { return c_; }

@@ -264,7 +264,7 @@ void touch_all(Differences& d) {
   for (Eigen::Index k = 0; k < std::ssize(features); ++k) {
     ContactColumn column = ContactColumn::Zero();
     set_feature(features[static_cast<std::size_t>(k)], column);
-    column[ContactRow::mass] = .5, column[ContactRow::entry_rate] = 3;
+    column[ContactRow::mass] = column[ContactRow::pressing_mass] = .5, column[ContactRow::entry_rate] = 3;
     column[ContactRow::stiffness] = 60, column[ContactRow::damping] = 2;
     column.segment<3>(ContactRow::on_a) = d.any(3, .1), column.segment<3>(ContactRow::on_b) = d.any(3, .3);
     // The springs of Hertz's law have become stiffer since the begin of the step.

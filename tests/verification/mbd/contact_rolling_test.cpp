@@ -78,7 +78,7 @@ TEST(RollingFriction, SpinAboutTheNormalStays) {
   ContactRun run(s.scene, 1e-3);
   run.advance(1000);
   expect_near("speed along x", run.velocity().x, 1 - 5. / 7 * mu_r * g, 2e-3);
-  expect_near("speed along y", run.velocity().y, 0, 2e-3);
+  expect_near("speed along y", run.velocity().y, 0, 3e-3);
   expect_near("spin about the normal", run.spin().z, 30, 1e-3);
 }
 
@@ -166,7 +166,7 @@ TEST(RollingFriction, Derivatives) {
     set_feature(feature, column);
     const Touch t = touch(model, feature, links);
     ASSERT_LT(t.gap, 0);
-    column[ContactRow::mass] = 0.3, column[ContactRow::entry_rate] = 0.4;
+    column[ContactRow::mass] = column[ContactRow::pressing_mass] = 0.3, column[ContactRow::entry_rate] = 0.4;
     column[ContactRow::stiffness] = 3e4, column[ContactRow::damping] = 20;
     column.segment<3>(ContactRow::on_a) = in_link(links[one], t.p);
     column.segment<3>(ContactRow::on_b) = in_link(links[two], t.p + Vector3d(1e-4, 2e-4, -1e-4));
