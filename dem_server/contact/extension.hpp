@@ -23,19 +23,30 @@ TANDEM_HD Real rolling_inertia(Real mass, Real radius) {
 
 }  // namespace detail
 
+// Sets the sizes of the contact of two spheres with these masses [kg] and radii [m].
+template <class Real>
+TANDEM_HD void set_sizes(Contact<Real>& c, Real mass, Real radius, Real other_mass, Real other_radius) {
+  c.r_eff = in_series(radius, other_radius);
+  c.m_eff = in_series(mass, other_mass);
+}
+
+// I* of two spheres, laws/rolling.hpp [kg m2].
+template <class Real>
+TANDEM_HD Real rolling_inertia(Real mass, Real radius, Real other_mass, Real other_radius) {
+  return in_series(detail::rolling_inertia(mass, radius), detail::rolling_inertia(other_mass, other_radius));
+}
+
 // Completes the contact of two spheres of materials m and n.
 template <class Real>
 TANDEM_HD Extension<Real> extend(const View<Real>& view, Contact<Real>& c, std::uint32_t m, Real radius,
                                  std::uint32_t n, Real other_radius) {
   const Real mass = sphere_mass(view.parameters.mass_per_volume[m], radius),
              other_mass = sphere_mass(view.parameters.mass_per_volume[n], other_radius);
-  c.r_eff = in_series(radius, other_radius);
-  c.m_eff = in_series(mass, other_mass);
+  set_sizes(c, mass, radius, other_mass, other_radius);
   const PairExtras<Real> pair = view.extras[m * max_materials + n];
   c.adhesion = pair.adhesion;
   if (!view.parameters.rolling) return {pair, 0};
-  return {pair, in_series(detail::rolling_inertia(mass, radius),
-                          detail::rolling_inertia(other_mass, other_radius))};
+  return {pair, rolling_inertia(mass, radius, other_mass, other_radius)};
 }
 
 // Completes the contact of a sphere with a wall. The contact does not change the wall's motion, so m* = m.

@@ -27,30 +27,42 @@ void store(const ClosePairs<Real>& close, std::uint32_t number, const PairResult
 }
 
 // one_kind: all spheres have one material and one size, so that quantities that depend on these alone need no
-// column.
-template <class Law, class Real, bool one_kind>
+// column. RowLaw: the law that an extended Law stands for in this scene. rolling: with moments against
+// rolling; the batch has neither those against twisting nor sums of the dissipated energy.
+template <class Law, class Real, bool one_kind, class RowLaw = Law, bool rolling = false>
 class PairBatch {
  public:
   PairBatch() = default;
   PairBatch(const PairBatch&) = delete;
   PairBatch& operator=(const PairBatch&) = delete;
 
-  // Evaluates the close pairs with these numbers.
+  // Evaluates the close pairs with these numbers. Flattened, so that a pair goes from registers to its
+  // columns.
   template <class Tally>
-  void evaluate(const PairForces<Law, Real>& forces, Range numbers, Tally& tally) {
+  [[gnu::flatten]] void evaluate(const PairForces<Law, Real>& forces, Range numbers, Tally& tally) {
     const ClosePairs<Real>& close = forces.view.close;
     for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
       const ClosePair pair = close.pair[number];
       TouchingPair<Real> m;
-      if (!forces.find_touching(pair.owner, pair.entry, m)) {
+      if (!forces.template find_touching<false>(pair.owner, pair.entry, m)) {
         store<Law>(close, number, {});
+        if constexpr (Law::extended)
+          if (close.moment != nullptr) close.moment[number] = {};
         forces.end_contact(pair.entry, forces.state.neighbour(pair.entry));
         continue;
       }
       number_[count_] = number;
       put(count_, m);
-      if constexpr (Law::tangential)
-        spring_.put(count_, forces.spring(pair.entry, forces.state.neighbour(pair.entry)));
+      const Neighbour neighbour = forces.state.neighbour(pair.entry);
+      if constexpr (Law::tangential) spring_.put(count_, forces.spring(pair.entry, neighbour));
+      if constexpr (!one_kind) {
+        const Parameters<Real>& p = forces.view.parameters;
+        put(count_, forces.view, p.material(forces.state.kind(pair.owner)),
+            p.material(forces.state.kind(neighbour.index())));
+      }
+      if constexpr (Law::extended) existed_[count_] = neighbour.in_contact() ? 1 : 0;
+      if constexpr (rolling)
+        rolled_.put(count_, neighbour.in_contact() ? forces.list.rolling[pair.entry].rolled : Vec3<Real>{});
       if (++count_ == capacity) evaluate_gathered(forces, tally);
     }
     evaluate_gathered(forces, tally);
@@ -64,9 +76,21 @@ class PairBatch {
     Real deepest = 0;
     for (std::size_t row = 0; row < count_; ++row) {
       const PairResult<Real> r = result(row);
-      store<Law>(close, number_[row], r);
-      const std::uint32_t entry = close.pair[number_[row]].entry;
-      forces.store_contact(entry, forces.state.neighbour(entry), r);
+      const std::uint32_t number = number_[row], entry = close.pair[number].entry;
+      const Neighbour neighbour = forces.state.neighbour(entry);
+      if constexpr (Law::extended)
+        if (lasts_[row] == 0) {
+          store<Law>(close, number, {});
+          if (close.moment != nullptr) close.moment[number] = {};
+          forces.end_contact(entry, neighbour);
+          continue;
+        }
+      store<Law>(close, number, r);
+      if constexpr (rolling) {
+        close.moment[number] = {moment_.get(row)};
+        forces.list.rolling[entry] = {rolled_.get(row), 0};
+      }
+      forces.store_contact(entry, neighbour, r);
       deepest = std::max(deepest, overlap_ratio_[row]);
     }
     tally.observe_overlap(static_cast<float>(deepest));
@@ -74,24 +98,45 @@ class PairBatch {
   }
 
   // Compiled once for every processor and once for those with 256-bit vectors; both give the same bits.
-  TANDEM_WIDE_VECTORS void evaluate_rows(const Parameters<Real>& p, Real dt) {
+  // Flattened, since a call in the loop would leave no vector loop.
+  TANDEM_WIDE_VECTORS [[gnu::flatten]] void evaluate_rows(const Parameters<Real>& p, Real dt) {
     const std::size_t count = count_;
     const LengthUnit<Real> unit = p.unit;
     const std::uint32_t law = p.law;
+    Real range = 0;
+    if constexpr (Law::extended) range = unit.metres(p.range);
     [[maybe_unused]] const Real radius = p.kind_radius[0];
     [[maybe_unused]] const Coefficients<Real> k = p.kind_pair[0];
 #pragma GCC ivdep
     for (std::size_t row = 0; row < count; ++row) {
       TouchingPair<Real> m = get(row);
+      Real mass = 0, other_mass = 0;
       if constexpr (one_kind) {
         m.radius = m.other_radius = radius;
         m.k = k;
+      } else {
+        mass = sphere_mass(mass_per_volume_[row], m.radius);
+        other_mass = sphere_mass(other_mass_per_volume_[row], m.other_radius);
+        const PairConstants<Real> pair{constants(row), RowLaw::sized};
+        m.k = coefficients_of_spheres(pair, mass, m.radius, other_mass, m.other_radius);
       }
-      const Contact<Real> c = contact_of<Law>(m, unit, Real(0), dt);
+      Contact<Real> c = contact_of<Law>(m, unit, range, dt);
+      if constexpr (Law::extended) {
+        set_sizes(c, mass, m.radius, other_mass, m.other_radius);
+        c.adhesion = adhesion_[row];
+        lasts_[row] = in_contact<RowLaw>(c, m.k, existed_[row] != 0) ? 1 : 0;
+      }
       Vec3<Real> spring;
       if constexpr (Law::tangential) spring = spring_.get(row);
-      const ContactForce<Real> f = Law{}(c, m.k, law, spring);
+      const ContactForce<Real> f = RowLaw{}(c, m.k, law, spring);
       const PairResult<Real> r = result_of(c, f, spring);
+      if constexpr (rolling) {
+        Vec3<Real> rolled = rolled_.get(row), moment;
+        moment += RollingResistance{}(c, f, m.w - m.other_w, {rolling_friction_[row], rolling_damping_[row]},
+                                      rolling_inertia(mass, m.radius, other_mass, m.other_radius), rolled);
+        rolled_.put(row, rolled);
+        moment_.put(row, moment);
+      }
       put(row, r);
       overlap_ratio_[row] = r.overlap * m.k.curvature;
     }
@@ -125,16 +170,28 @@ class PairBatch {
       other_w_.put(r, m.other_w);
     }
     if constexpr (!one_kind) {
-      if constexpr (Law::tangential) {
-        radius_[r] = m.radius;
-        other_radius_[r] = m.other_radius;
-        k_t_[r] = m.k.k_t;
-        c_t_[r] = m.k.c_t;
-        friction_[r] = m.k.friction;
-      }
-      k_n_[r] = m.k.k_n;
-      c_n_[r] = m.k.c_n;
-      curvature_[r] = m.k.curvature;
+      radius_[r] = m.radius;
+      other_radius_[r] = m.other_radius;
+    }
+  }
+  // What the materials of two spheres contribute.
+  void put(std::size_t r, const View<Real>& view, std::uint32_t material, std::uint32_t other_material) {
+    const Parameters<Real>& p = view.parameters;
+    const std::uint32_t pair = material * max_materials + other_material;
+    mass_per_volume_[r] = p.mass_per_volume[material];
+    other_mass_per_volume_[r] = p.mass_per_volume[other_material];
+    const Coefficients<Real>& k = p.pair[pair].c;
+    k_n_[r] = k.k_n;
+    c_n_[r] = k.c_n;
+    if constexpr (Law::tangential) {
+      k_t_[r] = k.k_t;
+      c_t_[r] = k.c_t;
+      friction_[r] = k.friction;
+    }
+    if constexpr (Law::extended) adhesion_[r] = view.extras[pair].adhesion;
+    if constexpr (rolling) {
+      rolling_friction_[r] = view.extras[pair].rolling.friction;
+      rolling_damping_[r] = view.extras[pair].rolling.damping;
     }
   }
   TouchingPair<Real> get(std::size_t r) const {
@@ -146,18 +203,21 @@ class PairBatch {
       m.other_w = other_w_.get(r);
     }
     if constexpr (!one_kind) {
-      if constexpr (Law::tangential) {
-        m.radius = radius_[r];
-        m.other_radius = other_radius_[r];
-        m.k.k_t = k_t_[r];
-        m.k.c_t = c_t_[r];
-        m.k.friction = friction_[r];
-      }
-      m.k.k_n = k_n_[r];
-      m.k.c_n = c_n_[r];
-      m.k.curvature = curvature_[r];
+      m.radius = radius_[r];
+      m.other_radius = other_radius_[r];
     }
     return m;
+  }
+  Coefficients<Real> constants(std::size_t r) const {
+    Coefficients<Real> c;
+    c.k_n = k_n_[r];
+    c.c_n = c_n_[r];
+    if constexpr (Law::tangential) {
+      c.k_t = k_t_[r];
+      c.c_t = c_t_[r];
+      c.friction = friction_[r];
+    }
+    return c;
   }
   // Results overwrite the columns of the pair that they come from.
   void put(std::size_t r, const PairResult<Real>& result) {
@@ -181,7 +241,14 @@ class PairBatch {
 
   Columns3 d_, u_, w_, other_w_, spring_;
   Column d2_, reach_, depth2_, overlap_ratio_;
-  Column radius_, other_radius_, k_n_, c_n_, k_t_, c_t_, friction_, curvature_;
+  // Where spheres are not all of one kind.
+  Column radius_, other_radius_, mass_per_volume_, other_mass_per_volume_;
+  Column k_n_, c_n_, k_t_, c_t_, friction_;  // constants of the two materials
+  // Of extended laws; in existed_ and lasts_ 1 means yes.
+  Column adhesion_, existed_, lasts_;
+  // Of rolling.
+  Column rolling_friction_, rolling_damping_;
+  Columns3 rolled_, moment_;
   std::uint32_t number_[capacity];
   std::size_t count_ = 0;
 };

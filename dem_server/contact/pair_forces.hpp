@@ -70,13 +70,14 @@ struct PairForces {
   }
 
   // Loads entry k of sphere i; false where the two are not in contact.
+  template <bool with_coefficients = true>
   TANDEM_HD bool find_touching(std::uint32_t i, std::uint32_t k, TouchingPair<Real>& m) const {
     const std::uint32_t j = state.neighbour(k).index();
     PositionRadius<Real> own = state.position(i), other = state.position(j);
     unwrap_pair(own, other, k);
     const Approach<Real> approach(own, other, range());
     if (!approach.touching()) return false;
-    m = touching_pair(i, own, j, other, approach);
+    m = touching_pair<with_coefficients>(i, own, j, other, approach);
     return true;
   }
   // The tangential spring of entry k at the begin of the step; zero for a contact that is new.
@@ -162,16 +163,18 @@ struct PairForces {
       return typename LengthUnit<Real>::Count{};
   }
 
+  template <bool with_coefficients = true>
   TANDEM_HD TouchingPair<Real> touching_pair(std::uint32_t i, const PositionRadius<Real>& own,
                                              std::uint32_t j, const PositionRadius<Real>& other,
                                              const Approach<Real>& approach) const {
-    TouchingPair<Real> m = touching_pair(own, state.velocity(i), other, state.velocity(j), approach);
+    auto m = touching_pair<with_coefficients>(own, state.velocity(i), other, state.velocity(j), approach);
     if constexpr (Law::tangential) {
       m.w = state.spin(i).w;
       m.other_w = state.spin(j).w;
     }
     return m;
   }
+  template <bool with_coefficients = true>
   TANDEM_HD TouchingPair<Real> touching_pair(const PositionRadius<Real>& own,
                                              const VelocityKind<Real>& own_velocity,
                                              const PositionRadius<Real>& other,
@@ -183,7 +186,8 @@ struct PairForces {
     m.radius = p.radius(own);
     m.other_radius = p.radius(other);
     m.u = own_velocity.v - other_velocity.v;
-    m.k = p.between(own_velocity.kind(), m.radius, other_velocity.kind(), m.other_radius);
+    if constexpr (with_coefficients)
+      m.k = p.between(own_velocity.kind(), m.radius, other_velocity.kind(), m.other_radius);
     return m;
   }
 
@@ -196,10 +200,9 @@ struct PairForces {
   TANDEM_HD bool extended(std::uint32_t i, std::uint32_t k, Neighbour neighbour, const TouchingPair<Real>& m,
                           PairResult<Real>& r, Vec3<Real>& moment) const {
     const Parameters<Real>& p = view.parameters;
-    const std::uint32_t material = p.material(state.kind(i)),
-                        other_material = p.material(state.kind(neighbour.index()));
     Contact<Real> c = contact_of<Law>(m, p.unit, p.unit.metres(p.range), dt);
-    const Extension<Real> extension = extend(view, c, material, m.radius, other_material, m.other_radius);
+    const Extension<Real> extension = extend(view, c, p.material(state.kind(i)), m.radius,
+                                             p.material(state.kind(neighbour.index())), m.other_radius);
     const bool existed = neighbour.in_contact();
     if (!Law::in_contact(c, m.k, p.law, existed)) return false;
     const Vec3<Real> before = spring(k, neighbour);

@@ -21,11 +21,6 @@ struct Inertia {
   double inverse_moment = 0;  // of 2/5 m r^2 [1/(kg m2)]
 };
 
-template <class Real>
-TANDEM_HD Real sphere_mass(Real mass_per_volume, Real radius) {
-  return mass_per_volume * radius * radius * radius;
-}
-
 inline constexpr double largest_speed = 1e5;  // of a sphere, above that of any valid run [m/s]
 inline constexpr std::uint32_t max_materials = 8;
 inline constexpr std::uint32_t max_kinds = 8;
@@ -105,10 +100,8 @@ struct Parameters {
   }
   TANDEM_HD Coefficients<Real> computed_pair(std::uint32_t m, Real r, std::uint32_t other_m,
                                              Real other_r) const {
-    const Real mass = sphere_mass(mass_per_volume[m], r),
-               other_mass = sphere_mass(mass_per_volume[other_m], other_r);
-    return coefficients(pair[m * max_materials + other_m], in_series(r, other_r), in_series(mass, other_mass),
-                        r < other_r ? r : other_r);
+    return coefficients_of_spheres(pair[m * max_materials + other_m], sphere_mass(mass_per_volume[m], r), r,
+                                   sphere_mass(mass_per_volume[other_m], other_r), other_r);
   }
   // A flat wall has no curvature. Its motion does not depend on this contact within a step, so m* = m.
   TANDEM_HD Coefficients<Real> with_wall(std::uint32_t kind, Real radius, std::uint32_t wall_material) const {

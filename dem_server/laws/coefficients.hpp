@@ -53,6 +53,19 @@ TANDEM_HD Real in_series(Real a, Real b) {
   return less * quotient(more, a + b);
 }
 
+template <class Real>
+TANDEM_HD Real sphere_mass(Real mass_per_volume, Real radius) {
+  return mass_per_volume * radius * radius * radius;
+}
+
+// The coefficients of two spheres with these masses [kg] and radii [m].
+template <class Real>
+TANDEM_HD Coefficients<Real> coefficients_of_spheres(const PairConstants<Real>& pair, Real mass, Real radius,
+                                                     Real other_mass, Real other_radius) {
+  return coefficients(pair, in_series(radius, other_radius), in_series(mass, other_mass),
+                      radius < other_radius ? radius : other_radius);
+}
+
 // R* of a sphere inside a hollow ball. In a closely fitting ball the contact area is wider than Hertz's law
 // assumes, and the stability limit of the micro step assumes contacts that are not much stiffer than a
 // contact with a plane. R* therefore stops growing at a ball of 4/3 of the sphere's radius.

@@ -2,6 +2,8 @@
 // when no other matches.
 #pragma once
 
+#include <type_traits>
+
 #include "common/scene/model.hpp"
 #include "dem_server/laws/cohesive.hpp"
 #include "dem_server/laws/hertz.hpp"
@@ -34,16 +36,24 @@ inline PairConstants<double> pair_constants(scene::ContactLaw law, const scene::
   return with_law(law, [&](auto l) { return decltype(l)::constants(pair, a, b); });
 }
 
+// Is there a contact at this overlap under law L? `existed`: there was one in the last micro step.
+template <class L, class Real>
+TANDEM_HD bool in_contact(const Contact<Real>& c, const Coefficients<Real>& k, bool existed) {
+  bool lasts = false;
+  if constexpr (std::is_same_v<L, Jkr>) lasts = existed && Jkr::holds(c, k);
+  return c.overlap > 0 || lasts;
+}
+
 struct GenericLaw {
   // extended: the loop computes sizes, masses and adhesion for it, and adds the scene's rolling and twisting.
   static constexpr bool tangential = true, extended = true, belts = true;
 
-  // Is there a contact at this overlap? `existed`: there was one in the last micro step.
   template <class Real>
   TANDEM_HD static bool in_contact(const Contact<Real>& c, const Coefficients<Real>& k, std::uint32_t law,
                                    bool existed) {
     if (c.overlap > 0) return true;
-    return existed && static_cast<scene::ContactLaw>(law) == scene::ContactLaw::jkr && Jkr::holds(c, k);
+    return static_cast<scene::ContactLaw>(law) == scene::ContactLaw::jkr &&
+           dem::in_contact<Jkr>(c, k, existed);
   }
 
   template <class Real>

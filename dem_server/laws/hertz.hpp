@@ -54,6 +54,7 @@ inline double rayleigh_time(double radius, const scene::Material& material) {
 
 // What all laws with Hertz's stiffness have in common.
 struct HertzStiffness {
+  static constexpr bool sized = true;
   static constexpr const char* critical_time_name = "Rayleigh";
   static constexpr StiffnessKey stiffness{"young", nullptr, -0.4};
 

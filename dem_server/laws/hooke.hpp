@@ -20,6 +20,7 @@ namespace tandem::dem {
 
 // The coefficients c_n and c_t hold the factors of the square roots above [-].
 struct Hooke {
+  static constexpr bool sized = false;
   static constexpr const char* critical_time_name = "contact";
   static constexpr StiffnessKey stiffness{"spring_stiffness", &scene::Pair::spring_stiffness, -0.5};
 
@@ -35,7 +36,7 @@ struct Hooke {
     const double alpha = damping(pair.restitution);
     return {{pair.spring_stiffness, alpha, pair.spring_ratio * pair.spring_stiffness,
              alpha * std::sqrt(2.0 / 7.0), pair.friction, 0},
-            false};
+            sized};
   }
   // Central differences with omega^2 = k / m and zeta = alpha / 2.
   static double critical_time(const scene::Pair& pair, const scene::Material& own, double radius) {

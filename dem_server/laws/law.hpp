@@ -3,6 +3,8 @@
 //   static PairConstants<double> constants(const scene::Pair&, const scene::Material& a,
 //                                          const scene::Material& b);
 //     the constants of a pair of materials from which the force is computed
+//   static constexpr bool sized
+//     whether its coefficients depend on sizes and masses (PairConstants)
 //   static double critical_time(const scene::Pair&, const scene::Material& own, double radius)
 //     the time that limits the micro step for the contact of a sphere of `own` with an equal one; a contact
 //     with a lighter sphere is counted for that sphere (step_limits.hpp) [s]
@@ -42,6 +44,7 @@ concept ContactLaw = std::is_empty_v<L> &&
     requires(const L law, const Contact<double>& contact, const Coefficients<double>& k, Vec3<double>& spring,
              const scene::Pair& pair, const scene::Material& m) {
   { L::constants(pair, m, m) } -> std::same_as<PairConstants<double>>;
+  { L::sized } -> std::convertible_to<bool>;
   { L::critical_time(pair, m, double{}) } -> std::same_as<double>;
   { L::critical_time_name } -> std::convertible_to<const char*>;
   { L::collision_time(pair, m, m, double{}, double{}) } -> std::same_as<double>;

@@ -15,6 +15,7 @@
 namespace tandem::dem {
 
 struct Paper {
+  static constexpr bool sized = false;
   static constexpr bool tangential = true, extended = false, belts = false;
   static constexpr const char* critical_time_name = "contact";
   static constexpr StiffnessKey stiffness{"normal_stiffness", &scene::Pair::normal_stiffness, -0.4};
@@ -23,7 +24,7 @@ struct Paper {
                                          const scene::Material&) {
     return {{pair.normal_stiffness, pair.normal_damping, pair.tangential_stiffness, pair.tangential_damping,
              pair.friction, 0},
-            false};
+            sized};
   }
   static double critical_time(const scene::Pair& pair, const scene::Material& own, double radius) {
     return contact_time(pair, sphere_mass(radius, own) / 2, radius);

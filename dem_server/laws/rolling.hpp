@@ -32,22 +32,19 @@ struct RollingResistance {
                                   const RollingConstants<Real>& k, Real inertia, Vec3<Real>& rolled) const {
     const Vec3<Real> across = rate - dot(rate, c.n) * c.n;
     const Real lever = k.friction * c.r_eff, stiffness = Real(2.25) * f.k_n * lever * lever;
-    if (!(stiffness > 0)) {
-      rolled = {};
-      return {};
-    }
+    // Selects values instead of branching, so that the CPU evaluates several contacts at once.
+    const bool acts = stiffness > 0;
     constexpr Real finer = finer_angles<Real>;
     rolled = rotate_spring(rolled, c, f.previous_stiffness2, f.current_stiffness2, finer) + c.dt * across;
     // Compares angles, because squares of the moments of small spheres are beyond the range of single
     // precision.
     const Real most = finer * (lever * f.elastic_force / stiffness), size2 = norm2(finer * rolled);
-    if (size2 > most * most) {
-      rolled *= most / std::sqrt(size2);
-      return -stiffness * rolled;
-    }
+    const bool slides = size2 > most * most;
+    rolled *= slides ? most / std::sqrt(size2) : Real(1);
+    if (!acts) rolled = {};
     const Real wanted = 2 * k.damping * std::sqrt(inertia) * std::sqrt(stiffness),
-               carried = inertia / (most_damped * c.dt);
-    return -stiffness * rolled - (wanted < carried ? wanted : carried) * across;
+               carried = inertia / (most_damped * c.dt), damping = wanted < carried ? wanted : carried;
+    return -stiffness * rolled - (acts && !slides ? damping : Real(0)) * across;
   }
 };
 

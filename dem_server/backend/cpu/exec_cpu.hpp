@@ -12,6 +12,7 @@
 #include "dem_server/contact/close_pairs.hpp"
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
+#include "dem_server/laws/generic.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/cpu/host_exec.hpp"
 #include "particles/base/fixed_point.hpp"
@@ -149,6 +150,18 @@ class CpuExec : public HostExec {
     const ClosePairs<Real>& close = step.view.close;
     const Range numbers{close.owned[range.begin].begin, close.owned[range.end - 1].end};
     if constexpr (Law::extended) {
+      const View<Real>& view = step.view;
+      if (!view.parameters.twisting && !view.dissipation.any()) {
+        // The switch over the laws is outside of the loop over pairs, which therefore is a vector loop.
+        with_law(static_cast<scene::ContactLaw>(view.parameters.law), [&]<class L>(L) {
+          if (view.parameters.rolling)
+            PairBatch<Law, Real, false, L, true>{}.evaluate(pairs, numbers, tally);
+          else
+            PairBatch<Law, Real, false, L>{}.evaluate(pairs, numbers, tally);
+          return 0;
+        });
+        return;
+      }
       for (std::uint32_t number = numbers.begin; number < numbers.end; ++number) {
         const ClosePair pair = close.pair[number];
         TouchingPair<Real> in_contact;
