@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/error.hpp"
 #include "particles/serving/boundary.hpp"
@@ -12,6 +13,7 @@
 #include "sph_server/equations/limits.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/io/check_start.hpp"
+#include "sph_server/io/edges_in_liquid.hpp"
 #include "sph_server/io/open_faces.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
 
@@ -124,6 +126,8 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   check_start(start.sites, scene, start.walls, start.inlets, start.poses);
   check_inlets(start.inlets, start.walls, start.poses, sph.spacing);
   start.warnings = open_faces(scene, meshes, start.insides, start.setup, start.poses);
+  for (std::string& sentence : edges_in_liquid(scene, start.walls, start.poses, start.insides))
+    start.warnings.push_back(std::move(sentence));
   for (const scene::LiquidInlet& inlet : sph.inlets)
     if (inlet.start >= scene.end_time)
       start.warnings.push_back(fmt::format(

@@ -19,7 +19,7 @@ struct LiquidStart {
   Sites sites;                             // of the boxes
   std::vector<FilledInside> insides;
   double depth = 0;                   // of the deepest liquid [m]
-  std::vector<std::string> warnings;  // of open faces, and of a unit that is likely wrong
+  std::vector<std::string> warnings;  // of open faces, edges, inlets, and of a unit that is likely wrong
 
   std::size_t particles() const;  // about as many as there will be
 };

@@ -107,6 +107,19 @@ TriangleMesh whole_mesh_of(const scene::Wall& wall, const scene::Sph& sph,
   return transformed(std::move(mesh), wall.pose);
 }
 
+bool is_inside_out(const TriangleMesh& mesh) {
+  double volume = 0;
+  const Vec3d origin = mesh.vertices.front();
+  for (const auto& t : mesh.triangles)
+    volume +=
+        dot(mesh.vertices[t[0]] - origin, cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
+  return volume < 0;
+}
+
+void turn_over(TriangleMesh& mesh) {
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
 std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
   const scene::Sph& sph = scene.sph.value();
   // Names of walls are not empty: what no sensor measures is last of its body.

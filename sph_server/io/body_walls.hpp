@@ -31,4 +31,8 @@ bool is_slip(const scene::Sph& sph, BodyId body);
 TriangleMesh whole_mesh_of(const scene::Wall& wall, const scene::Sph& sph,
                            const std::vector<NamedMesh>& meshes);
 
+// Do the normals of a closed mesh point inwards?
+bool is_inside_out(const TriangleMesh& mesh);
+void turn_over(TriangleMesh& mesh);
+
 }  // namespace tandem::sph

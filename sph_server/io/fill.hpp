@@ -39,6 +39,9 @@ struct FilledInside {
 // passes through it there.
 std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 
+// Is x in that liquid? up: against gravity.
+bool is_below(const FilledInside& filled, Vec3d x, Vec3d up);
+
 // All particles at the start: those of the boxes, then those of each inside, in the order of the fills.
 // `sites`: of the boxes; poses: of the walls of `setup`. Error{scene} as fill_region, and where two fills
 // overlap.

@@ -23,24 +23,10 @@ TriangleMesh in_world(TriangleMesh mesh, BodyId body, const scene::Scene& scene)
   return mesh;
 }
 
-void turn_over(TriangleMesh& mesh) {
-  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-}
-
 void join(const TriangleMesh& mesh, TriangleMesh& to) {
   const auto first = static_cast<std::uint32_t>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
   for (const auto& t : mesh.triangles) to.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-}
-
-// Signed, so that the mesh can be turned with its normals outwards.
-bool is_inside_out(const TriangleMesh& mesh) {
-  double volume = 0;
-  const Vec3d origin = mesh.vertices.front();
-  for (const auto& t : mesh.triangles)
-    volume +=
-        dot(mesh.vertices[t[0]] - origin, cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
-  return volume < 0;
 }
 
 // An error of fill_region() with the place in the scene.
@@ -81,13 +67,13 @@ void take_out(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, c
   }
 }
 
+}  // namespace
+
 bool is_below(const FilledInside& filled, Vec3d x, Vec3d up) {
   double low = std::numeric_limits<double>::infinity();
   for (const Vec3d& v : filled.region.vertices) low = std::min(low, dot(v, up));
   return dot(x, up) < low + filled.depth && winding_number(filled.region, x) > 0.5;
 }
-
-}  // namespace
 
 std::string place_of_fill(std::size_t fill) {
   return "sph.liquids[0]." + scene::element("fill", fill);

@@ -21,7 +21,10 @@ namespace tandem::test {
 namespace {
 
 using nlohmann::json;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 // An open vat on the ground, 0.4 x 0.2 x 0.3 m, its floor at z = 0, filled up to the level of 0.16 m.
 json vat() {
@@ -149,7 +152,10 @@ TEST(LiquidStart, WarnsOfAFaceThatIsOpenBelowTheLevel) {
   scene["sph"]["walls"].push_back(box_wall("gate", {0.25, 0, 0.1}, {0.1, 0.2, 0.2}));
   EXPECT_TRUE(warnings(scene).empty());
   scene["sph"]["walls"][1] = box_wall("gate", {0.25, 0, 0.05}, {0.1, 0.2, 0.1});
-  EXPECT_EQ(warnings(scene).size(), 1u) << "above the gate";
+  EXPECT_THAT(warnings(scene),
+              ElementsAre(HasSubstr("wall 'vat' is open at +x"),
+                          HasSubstr("wall 'gate' of 'ground' has sharp edges in the liquid")))
+      << "above the gate";
 }
 
 TEST(LiquidStart, RefusesABoxThroughWhichAWallPasses) {
@@ -230,6 +236,48 @@ TEST(LiquidStart, RefusesASpeedOfSoundThatIsTooLow) {
   const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
   expect_start("speed of sound by the velocity at the start [m/s]", 30,
                sph::prepare_start(parsed, {}).setup.liquid.sound_speed, 1e-9);
+}
+
+// A wall with an edge that the liquid is around, which is narrow.
+TEST(LiquidStart, WarnsOfNarrowWallsWithEdgesInTheLiquid) {
+  const auto warnings = [](const json& scene) {
+    return sph::prepare_start(scene::parse(scene.dump(), "vat.json"), {}).warnings;
+  };
+  const auto with = [](Vec3d position, Vec3d size) {
+    json scene = vat();
+    scene["sph"]["walls"].push_back(box_wall("block", position, size));
+    return scene;
+  };
+  const json block = with({0, 0, 0.06}, {0.08, 0.08, 0.04});
+  const std::string sentence =
+      "sph: wall 'block' of 'ground' has sharp edges in the liquid and is 0.04 m across, 2 spacings: the "
+      "liquid there does not come to rest, and loads on it, such as its buoyancy, may be up to 25 % too "
+      "small. Give a spacing of 0.00333 m or less, for 12 spacings across";
+  EXPECT_THAT(warnings(block), ElementsAre(sentence));
+  json turned = block;
+  turned["sph"]["walls"][1]["orientation"] = {{"euler_deg", {0, 0, 30}}, {"order", "zxz"}};
+  EXPECT_THAT(warnings(turned), ElementsAre(sentence)) << "the extent is that along the axes of the wall";
+  json boxes = block;
+  fill_of(boxes) = {{{"type", "box"}, {"min", {0.04, -0.1, 0}}, {"max", {0.2, 0.1, 0.16}}},
+                    {{"type", "box"}, {"min", {-0.2, 0.04, 0}}, {"max", {0.04, 0.1, 0.16}}},
+                    {{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0.04, -0.04, 0.16}}}};
+  EXPECT_THAT(warnings(boxes), ElementsAre(sentence)) << "in boxes of liquid";
+  boxes["sph"]["walls"][1] = box_wall("block", {0, 0, 0.02}, {0.08, 0.08, 0.04});
+  EXPECT_THAT(warnings(boxes), SizeIs(1)) << "on the floor";
+  EXPECT_THAT(warnings(with({0, 0, 0.16}, {0.08, 0.08, 0.08})), SizeIs(1)) << "half of it in the liquid";
+  json fine = block;
+  fine["sph"]["spacing"] = 0.04 / 12;
+  EXPECT_THAT(warnings(fine), IsEmpty()) << "12 spacings across";
+  EXPECT_THAT(warnings(with({0, 0, 0.24}, {0.08, 0.08, 0.08})), IsEmpty()) << "above the liquid";
+  EXPECT_THAT(warnings(with({0, 0, -0.04}, {0.5, 0.3, 0.06})), IsEmpty()) << "below the floor";
+  json ball = vat();
+  ball["sph"]["walls"].push_back(
+      {{"name", "ball"}, {"position", {0, 0, 0.08}}, {"shape", {{"type", "sphere"}, {"radius", 0.04}}}});
+  EXPECT_THAT(warnings(ball), IsEmpty()) << "round";
+  json lidded = vat();
+  lidded["sph"]["walls"][0]["shape"].erase("open");
+  lidded["sph"]["spacing"] = 0.04;
+  EXPECT_THAT(warnings(lidded), IsEmpty()) << "a closed vessel of 5 spacings across";
 }
 
 TEST(LiquidStart, WarnsOfASpeedBeyondThatOfALiquid) {
