@@ -107,6 +107,8 @@ std::vector<std::string> edges_in_liquid(const scene::Scene& scene, const std::v
       const double extent = least_extent(mesh, wall.pose), across = extent / sph.spacing;
       if (!(across < enough_across * (1 - 1e-9)) || !why_not_solid(mesh).empty()) continue;
       if (is_inside_out(mesh)) turn_over(mesh);
+      // Three digits of it are no more than what is enough.
+      const double finer = 0.995 * extent / enough_across;
       // The first layer of the liquid is half a spacing away from both faces.
       const double off = std::sqrt(0.5) * sph.spacing;
       if (!any_beside_edges(mesh, sph.spacing, off,
@@ -116,8 +118,8 @@ std::vector<std::string> edges_in_liquid(const scene::Scene& scene, const std::v
           "sph: wall '{}' of '{}' has sharp edges in the liquid and is {:.3g} m across, {:.3g} spacings: the "
           "liquid there does not come to rest, and loads on it, such as its buoyancy, may be up to {:.2g} % "
           "too small. Give a spacing of {:.3g} m or less, for {:.0f} spacings across",
-          wall.name, scene.body_name(wall.body), extent, across, missing_percent(across),
-          extent / enough_across, enough_across));
+          wall.name, scene.body_name(wall.body), extent, across, missing_percent(across), finer,
+          enough_across));
     }
   return sentences;
 }

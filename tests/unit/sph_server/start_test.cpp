@@ -252,7 +252,7 @@ TEST(LiquidStart, WarnsOfNarrowWallsWithEdgesInTheLiquid) {
   const std::string sentence =
       "sph: wall 'block' of 'ground' has sharp edges in the liquid and is 0.04 m across, 2 spacings: the "
       "liquid there does not come to rest, and loads on it, such as its buoyancy, may be up to 25 % too "
-      "small. Give a spacing of 0.00333 m or less, for 12 spacings across";
+      "small. Give a spacing of 0.00332 m or less, for 12 spacings across";
   EXPECT_THAT(warnings(block), ElementsAre(sentence));
   json turned = block;
   turned["sph"]["walls"][1]["orientation"] = {{"euler_deg", {0, 0, 30}}, {"order", "zxz"}};
@@ -266,7 +266,7 @@ TEST(LiquidStart, WarnsOfNarrowWallsWithEdgesInTheLiquid) {
   EXPECT_THAT(warnings(boxes), SizeIs(1)) << "on the floor";
   EXPECT_THAT(warnings(with({0, 0, 0.16}, {0.08, 0.08, 0.08})), SizeIs(1)) << "half of it in the liquid";
   json fine = block;
-  fine["sph"]["spacing"] = 0.04 / 12;
+  fine["sph"]["spacing"] = 0.00332;
   EXPECT_THAT(warnings(fine), IsEmpty()) << "12 spacings across";
   EXPECT_THAT(warnings(with({0, 0, 0.24}, {0.08, 0.08, 0.08})), IsEmpty()) << "above the liquid";
   EXPECT_THAT(warnings(with({0, 0, -0.04}, {0.5, 0.3, 0.06})), IsEmpty()) << "below the floor";
