@@ -86,7 +86,7 @@ bool is_in(const scene::Box& box, Vec3d x) {
 }  // namespace
 
 double missing_percent(double across) {
-  return 50 / across;
+  return std::min(50 / across, 100.0);
 }
 
 std::vector<std::string> edges_in_liquid(const scene::Scene& scene, const std::vector<BodyWalls>& walls,
@@ -102,6 +102,7 @@ std::vector<std::string> edges_in_liquid(const scene::Scene& scene, const std::v
   };
   for (const scene::Wall& wall : sph.walls)
     for (std::size_t b = 0; b < walls.size(); ++b) {
+      if (walls[b].body != wall.body) continue;
       TriangleMesh mesh = part_of(walls[b], wall.name);
       if (mesh.triangles.empty()) continue;
       const double extent = least_extent(mesh, wall.pose), across = extent / sph.spacing;
@@ -116,7 +117,7 @@ std::vector<std::string> edges_in_liquid(const scene::Scene& scene, const std::v
         continue;
       sentences.push_back(fmt::format(
           "sph: wall '{}' of '{}' has sharp edges in the liquid and is {:.3g} m across, {:.3g} spacings: the "
-          "liquid there does not come to rest, and loads on it, such as its buoyancy, may be up to {:.2g} % "
+          "liquid there does not come to rest, and loads on it, such as its buoyancy, may be up to {:.0f} % "
           "too small. Give a spacing of {:.3g} m or less, for {:.0f} spacings across",
           wall.name, scene.body_name(wall.body), extent, across, missing_percent(across), finer,
           enough_across));

@@ -15,7 +15,8 @@ namespace tandem::sph {
 inline constexpr double enough_across = 12;
 
 // Part of the load on a body of so many spacings across that may be missing [%]: what was measured with 4 to
-// 12 spacings, rounded up (docs/experiments/2026-11-sph-immersed.md).
+// 12 spacings, rounded up; at most 100
+// (docs/experiments/2026-11-sph-immersed.md).
 double missing_percent(double across);
 
 // A sentence for each closed wall that is too narrow, of the least extent along the axes of its frame, and
