@@ -43,7 +43,8 @@ TEST(ContactScale, BallThatRollsAndSpinsKeepsItsEnergy) {
       s.body(ball).twist = {{1, 0, 0}, {0, 1 / (r - depth), spin}};
       ContactRun run(s.scene, window);
       run.advance(static_cast<int>(2 / window));
-      const std::string what = "spin " + std::to_string(spin) + " rad/s, windows of " + std::to_string(window) + " s: ";
+      const std::string what =
+          "spin " + std::to_string(spin) + " rad/s, windows of " + std::to_string(window) + " s: ";
       expect_near(what + "way", run.position().x, 2, 1e-3);
       expect_near(what + "aside", run.position().y, 0, 1e-3);
       expect_near(what + "dissipated [J]", run.facts().at("mbd_contact_dissipated_J").get<double>(), 0, 1e-4);
