@@ -5,8 +5,9 @@
 // and never pulls. v is the rate at which the contact began, x the number of the restitution e, for which an
 // impact without loads ends with the rate e v for any k, n and mass (forces/joint_force.hpp). v_d = sqrt(2 U
 // / m) is the rate at which the mass m would have the energy U = k d^(n+1) / (n+1) of the spring: a contact
-// that loads press deeper than its impact did has a finite damping. m is the mass of all bodies that press
-// each other: where a heavy body falls on a light one that stands on a support, it presses both contacts.
+// that loads press deeper than its impact did has a finite damping. m is the largest mass that a point feels
+// of the bodies that press each other: where a heavy body falls on a light one that stands on a support, it
+// presses both contacts.
 //
 // Friction is that of a spring and a damper along the surfaces, -k_t s - c_t v_t, at most mu N. s is the
 // distance along the surfaces of two points that are fixed to the two links while the contact sticks

@@ -224,8 +224,9 @@ int BodyContacts::machine_of(int shape) const {
   return machine_of_link_[static_cast<std::size_t>(model_.contact.shape(shape).link)];
 }
 
-// Machines that touch each other, other than through what is held, press each other with the sum of their
-// masses: of each machine the largest that one of its points feels.
+// Machines that touch each other, other than through what is held, press each other. The largest mass that a
+// point of one of them feels counts, not their sum, which would damp each contact of a heap by its whole
+// mass.
 void BodyContacts::find_pressing_masses(State& state) {
   std::vector<int>& next = pressed_with_;
   next.resize(machine_of_link_.size());
@@ -252,9 +253,10 @@ void BodyContacts::find_pressing_masses(State& state) {
     if (a != none && b != none)
       next[static_cast<std::size_t>(std::max(first(a), first(b)))] = std::min(first(a), first(b));
   }
-  for (std::size_t i = next.size(); i-- > 0;)
-    if (const int root = first(static_cast<int>(i)); root != static_cast<int>(i))
-      pressing_[static_cast<std::size_t>(root)] += pressing_[i];
+  for (std::size_t i = next.size(); i-- > 0;) {
+    double& of_all = pressing_[static_cast<std::size_t>(first(static_cast<int>(i)))];
+    of_all = std::max(of_all, pressing_[i]);
+  }
   for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
     const int a = side(k, ContactRow::shape_a, ContactRow::mass_a),
               b = side(k, ContactRow::shape_b, ContactRow::mass_b), machine = a != none ? a : b;

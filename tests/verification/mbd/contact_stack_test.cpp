@@ -16,14 +16,14 @@ using namespace contacts;
 constexpr double stack_stiffness = 1e6;
 
 // Rate with which a mass M that hits a mass m at the rate 1 returns, where m touches a floor: both contacts
-// have the law of contact_force.hpp, k d (1 + c d'), c = x / max(v, v_d / 2), v_d = d sqrt(k / (m + M)), with
+// have the law of contact_force.hpp, k d (1 + c d'), c = x / max(v, v_d / 2), v_d = d sqrt(k / M), with
 // v = 0 on the floor and v = 1 between the masses. By the classical method of Runge and Kutta.
 double rate_after_stack(double m, double M, double restitution) {
   const double k = stack_stiffness, x = damping_number(restitution), h = 2e-3 * std::sqrt(m / k);
   using Vector = std::array<double, 4>;  // ways of m and of M to the floor, their rates
   const auto force = [&](double depth, double rate, double entry) {
     if (!(depth > 0)) return 0.;
-    const double c = x / std::max(entry, 0.5 * depth * std::sqrt(k / (m + M)));
+    const double c = x / std::max(entry, 0.5 * depth * std::sqrt(k / M));
     return std::max(0., k * depth * (1 + c * rate));
   };
   const auto slope = [&](const Vector& y) {
