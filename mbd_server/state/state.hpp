@@ -25,23 +25,22 @@ struct StopRow {
 // Data of one point of contact between bodies: the rows of State::contacts.
 struct ContactRow {
   enum Row : Eigen::Index {
-    mass,               // that the point feels as the contact begins [kg]; 0: no contact
-    mass_a,             // that it would feel there if the other body were fixed: of a [kg]; 0: a is held
-    mass_b,             // of b, likewise
-    pressing_mass,      // the largest of the bodies that press each other here and in the contacts next to it
-                        // [kg]
-    entry_rate,         // at which the shapes approached each other then [m/s]
-    entry_time,         // [s]
-    finest,             // length to which Newton's method finds the gap [m]; 0: its own tolerance does
-    period,             // duration of an impact at that rate [s]; 0: it does not limit the steps
-    stiffness,          // of the tangential spring [N/m]; Hertz: over depth^1/2 [N/m^3/2]
-    damping,            // beside it [N s/m]; Hertz: over depth^1/4 [N s/m^5/4]
-    rolling_radius,     // R* [m]; 0: no rolling friction
-    rolling_stiffness,  // [N m/rad]; Hertz: over depth^1/2
-    rolling_damping,    // [N m s/rad]; Hertz: over depth^1/4
-    on_a,               // end of that spring on link a, frame of the link [m] (3)
-    on_b = on_a + 3,    // on link b, likewise (3)
-    roll_a = on_b + 3,  // unit vectors whose difference is the stretch of the rolling spring: on link a,
+    mass,                 // that the point feels as the contact begins [kg]; 0: no contact
+    mass_a,               // that it would feel there if the other body were fixed: of a [kg]; 0: a is held
+    mass_b,               // of b, likewise
+    pressing_mass,        // the largest that a point of the bodies feels that press each other here [kg]
+    entry_rate,           // at which the shapes approached each other then [m/s]
+    entry_time,           // [s]
+    finest,               // length to which Newton's method finds the gap [m]; 0: its own tolerance does
+    period,               // duration of an impact at that rate [s]; 0: it does not limit the steps
+    stiffness,            // of the tangential spring [N/m]; Hertz: over depth^1/2 [N/m^3/2]
+    damping,              // beside it [N s/m]; Hertz: over depth^1/4 [N s/m^5/4]
+    rolling_radius,       // R* [m]; 0: no rolling friction
+    rolling_stiffness,    // [N m/rad]; Hertz: over depth^1/2
+    rolling_damping,      // [N m s/rad]; Hertz: over depth^1/4
+    on_a,                 // end of that spring on link a, frame of the link [m] (3)
+    on_b = on_a + 3,      // on link b, likewise (3)
+    roll_a = on_b + 3,    // unit vectors whose difference is the stretch of the rolling spring: on link a,
     roll_b = roll_a + 3,  // frame of the link (3), and on link b, likewise (3)
     // Hertz, where the springs change with the depth: depth at the begin of the step [m], and stretches of
     // the two springs there, frame of link a: [m] (3), [rad] (3).

@@ -22,7 +22,7 @@ TEST(Contact, StackOfTenBalls) {
   for (int i = 0; i < 10; ++i) s.add_ball("ball" + std::to_string(i), 1, 0.1, {0, 0, 0.1 + 0.2 * i});
   s.material() = {"stuff", 1e5, 0, 0, 0.1, 0.5};
   ContactRun run(s.scene, 1e-2);
-  run.advance(400);
+  run.advance(150);
   double height = 0.1, worst = 0;
   for (std::size_t i = 0; i < 10; ++i) {
     height -= static_cast<double>(10 - i) * g / 1e5;
@@ -43,7 +43,7 @@ TEST(Contact, StackOfTenBoxes) {
     s.add_box("box" + std::to_string(i), 1, {0.2, 0.3, 0.1}, {0, 0, 0.05 + 0.1 * i});
   s.material() = {"stuff", 1e5, 0, 0, 0.1, 0.5};
   ContactRun run(s.scene, 1e-2);
-  run.advance(160);
+  run.advance(100);
   double height = 0.05, worst = 0;
   for (std::size_t i = 0; i < 10; ++i) {
     height -= static_cast<double>(10 - i) * g / 4e5;
