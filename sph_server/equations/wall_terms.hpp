@@ -49,6 +49,31 @@ TANDEM_HD inline WallTerms wall_terms(const WallConstants& c, const FacetIntegra
   return t;
 }
 
+// The ghost liquid behind walls also ends at the sides of shadows, beyond edges that the liquid passes
+// around. Their integral is the sum r of `rim` of all facets near a particle: sides where ghosts border on
+// ghosts cancel in it, as those of facets that join. To the acceleration by pressure it adds V 2 p_i r,
+// without which a particle at an edge is not at rest under a constant pressure, and to the continuity the
+// adjoint, -2 r . v. Of several bodies each has the share of r that its own rim, `of_body`, has along r.
+struct Rim {
+  Vec3d sum;           // r [1/m]
+  double along_r = 0;  // sum over the bodies of the parts of their rims along r, as far as positive [1/m2]
+
+  TANDEM_HD void add_body(Vec3d of_body) { along_r += positive_part(of_body); }
+  TANDEM_HD Vec3d share(Vec3d of_body) const {
+    return along_r > 0 ? (positive_part(of_body) / along_r) * sum : Vec3d{};
+  }
+
+ private:
+  TANDEM_HD double positive_part(Vec3d of_body) const { return std::fmax(0.0, dot(of_body, sum)); }
+};
+
+TANDEM_HD inline Vec3d rim_pressure(const WallConstants& c, Vec3d share, double pressure, double volume) {
+  return (volume * c.inverse_mass * 2 * pressure) * share;
+}
+TANDEM_HD inline double rim_continuity(Vec3d share, Vec3d v) {
+  return -2 * dot(share, v);
+}
+
 // The part of the acceleration by pressure that comes from the difference of the pressures of ghost and
 // particle. Particle and ghost share the gradient of the pressure, which is -rho0 times the acceleration by
 // pressure `a`. So a satisfies

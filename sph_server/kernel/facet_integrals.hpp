@@ -20,12 +20,14 @@ struct FacetIntegrals {
   // Sum over the sides of the shadow, planes through x and an edge, of their normal away from the shadow
   // times the integral of (y - x) W over them. The sides of facets that join cancel [-].
   Mat3d sides;
+  Vec3d rim;  // sum over the same sides of the normal times the integral of W over them [1/m]
 
   TANDEM_HD FacetIntegrals& operator+=(const FacetIntegrals& b) {
     surface += b.surface;
     moment += b.moment;
     shadow += b.shadow;
     for (int a = 0; a < 3; ++a) sides.row[a] += b.sides.row[a];
+    rim += b.rim;
     return *this;
   }
 };
@@ -37,6 +39,7 @@ struct EdgeIntegrals {
   double surface = 0;  // [-]
   double along = 0;    // integral of tail_of_surface along the edge [-]
   double shadow = 0;   // [-]
+  double side = 0;     // integral over the side of the shadow, see FacetIntegrals [-]
 };
 
 TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d, double e, double t1,
@@ -88,6 +91,10 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
     within += kernel.shadow[k] * j[k + 1];
   }
   sum.shadow += (j[1] - d_j) / 42 + d * within;
+  // The side is in a plane through x, so that its own d is 0.
+  const double angle_of_side = particles::angle_of(nearest * (to - from), nearest2 + from * to);
+  sum.side = kernel.tail[0] * angle_of_side;
+  for (int k = 1; k < WallKernel::terms; ++k) sum.side += kernel.tail[k] * nearest * i[k - 1];
   return sum;
 }
 
@@ -143,6 +150,7 @@ TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, in
     away = ((dot(away, outward) < 0 ? -1 : 1) / size) * away;
     const Vec3d side = side_integral(kernel, (1 / R) * begin, (1 / R) * (begin + edge));
     for (int a = 0; a < 3; ++a) sum.sides.row[a] += (scale * away[a]) * side;
+    sum.rim += (scale / R * one.side) * away;
   }
   sum.surface = scale / R * surface;
   sum.shadow = scale * shadow;

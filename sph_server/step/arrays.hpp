@@ -65,8 +65,15 @@ struct WallArrays {
 // Facets near one particle.
 struct FacetsOfParticle {
   static constexpr int most = NearWalls::most;
-  const NearFacet* facet = nullptr;
+  const NearFacet* facet = nullptr;  // those of a body follow each other
   int count = 0;
+
+  // One past the last facet of the body that facet k belongs to.
+  TANDEM_HD int end_of_body(int k) const {
+    const std::uint32_t body = facet[k].body;
+    while (k < count && facet[k].body == body) ++k;
+    return k;
+  }
 };
 
 }  // namespace tandem::sph

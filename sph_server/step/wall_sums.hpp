@@ -67,6 +67,9 @@ struct SumWalls {
     Mat3d missing;  // M of ghost_gradient
     const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
     Nearest nearest;
+    const Rim rim = rim_of(near, seen);
+    pressed += rim_pressure(wall, rim.sum, p.pressure, p.volume);
+    if (rim.along_r > 0) press_at_rims(p, near, seen, rim, sum, tally, bodies);
     for (int k = 0; k < near.count; ++k) {
       const NearFacet& f = near.facet[k];
       const FacetIntegrals& integrals = seen[k].integrals;
@@ -117,18 +120,53 @@ struct SumWalls {
     return integrals.surface != 0 || integrals.shadow != 0;
   }
 
+  // Of the facets of one body, from k on.
+  TANDEM_HD static Vec3d rim_of_body(const FacetsOfParticle& near, const SeenFacet* seen, int k) {
+    Vec3d sum;
+    for (const int end = near.end_of_body(k); k < end; ++k) sum += seen[k].integrals.rim;
+    return sum;
+  }
+  TANDEM_HD Rim rim_of(const FacetsOfParticle& near, const SeenFacet* seen) const {
+    constexpr double rounding = 1e-10;  // of sides that cancel [-]
+    Rim rim;
+    for (int k = 0; k < near.count; ++k) rim.sum += seen[k].integrals.rim;
+    if (norm(rim.sum) * kernel.R <= rounding) return {};
+    for (int k = 0; k < near.count; k = near.end_of_body(k)) rim.add_body(rim_of_body(near, seen, k));
+    return rim;
+  }
+  template <class Bodies>
+  TANDEM_HD void press_at_rims(const Particle& p, const FacetsOfParticle& near, const SeenFacet* seen,
+                               const Rim& rim, WallSums& sum, Tally& tally, Bodies& bodies) const {
+    sum.surface += rim.sum;
+    for (int k = 0; k < near.count; k = near.end_of_body(k)) {
+      const Vec3d share = rim.share(rim_of_body(near, seen, k));
+      const std::uint32_t body = near.facet[k].body;
+      const Vec3d v_wall = velocity_of(body, p.x),
+                  pressed = particles::rounded(rim_pressure(wall, share, p.pressure, p.volume),
+                                               quanta.acceleration);
+      sum.continuity += particles::to_fixed(rim_continuity(share, p.v - v_wall), quanta.rate);
+      for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(pressed[a], quanta.acceleration);
+      bodies.add(body, -pressed, -mass * cross(p.x - walls.pose[body].p, pressed), quanta);
+      tally.add(Power::walls, mass * dot(pressed, v_wall), quanta.power);
+    }
+  }
+
+  // Of the body where the particle is, so that a liquid that turns with it like a rigid body feels no shear.
+  TANDEM_HD Vec3d velocity_of(std::uint32_t body, Vec3d x) const {
+    const particles::BodyPose& pose = walls.pose[body];
+    return pose.v + cross(pose.w, x - pose.p);
+  }
+
   // Where a particle is beside a facet.
   struct AtFacet {
     double height;  // above the plane of the facet [m]
-    // Towards the particle [-]; of the body where the particle is, so that a liquid that turns with it like a
-    // rigid body feels no shear [m/s].
-    Vec3d normal, v_wall;
+    Vec3d normal;   // towards the particle [-]
+    Vec3d v_wall;   // [m/s]
 
     TANDEM_HD AtFacet(const SumWalls& sums, const Particle& p, const NearFacet& f)
-        : height(dot(p.x - f.a, f.normal)), normal(height < 0 ? -f.normal : f.normal) {
-      const particles::BodyPose& pose = sums.walls.pose[f.body];
-      v_wall = pose.v + cross(pose.w, p.x - pose.p);
-    }
+        : height(dot(p.x - f.a, f.normal)),
+          normal(height < 0 ? -f.normal : f.normal),
+          v_wall(sums.velocity_of(f.body, p.x)) {}
     TANDEM_HD WallTerms terms(const SumWalls& sums, const Particle& p, const NearFacet& f,
                               const FacetIntegrals& integrals) const {
       return wall_terms(sums.wall, integrals, normal, std::fabs(height), p.v - v_wall, p.pressure, p.volume,

@@ -185,5 +185,34 @@ TEST(Liquid, OfPropertiesOutOfRangeIsRefused) {
             "scene: smoothing: smoothing of the liquid is 1 (give a value from 1.2 to 2.5)");
 }
 
+Rim rim_of(std::initializer_list<Vec3d> bodies) {
+  Rim rim;
+  for (const Vec3d& body : bodies) rim.sum += body;
+  for (const Vec3d& body : bodies) rim.add_body(body);
+  return rim;
+}
+
+TEST(Rim, IsSharedOutOverTheBodies) {
+  const Vec3d one{3, 1, -2}, other{1, -1, 0.5};
+  const Rim rim = rim_of({one, other});
+  EXPECT_NEAR(norm(rim.share(one) + rim.share(other) - rim.sum), 0, 1e-15);
+  EXPECT_EQ(rim_of({one}).share(one), one);
+  // A body in front of another one, whose ghosts border on those of the first beyond its edge.
+  const Vec3d behind{-1, 0, 1};
+  EXPECT_EQ(rim_of({one, behind}).share(behind), Vec3d{});
+  // Two bodies that join.
+  EXPECT_EQ(rim_of({one, -one}).share(one), Vec3d{});
+}
+
+TEST(Rim, HasAContinuityThatIsTheAdjointOfItsPressure) {
+  Liquid liquid;
+  liquid.spacing = 0.01;
+  const auto c = WallConstants::of(liquid);
+  const Vec3d share{20, -7, 3}, v{0.2, 0.5, -0.1};
+  const double pressure = 900, volume = 1.02e-6;
+  EXPECT_NEAR(liquid.mass() * dot(rim_pressure(c, share, pressure, volume), v),
+              -pressure * volume * rim_continuity(share, v), 1e-15);
+}
+
 }  // namespace
 }  // namespace tandem::test

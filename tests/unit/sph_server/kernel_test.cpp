@@ -83,8 +83,38 @@ TEST(FacetIntegrals, AddUpOverParts) {
   }
 }
 
-// What the walls of a closed box hide is the integral of the kernel over everything outside, and the gradient
-// of that integral is the sum of -S n.
+// The shadow of a plate is what lines from x through it reach. Its facets and its sides together give the
+// integral of the gradient of W over it.
+TEST(FacetIntegrals, WithTheirRimAreTheGradientOverTheShadow) {
+  const double R = 0.3, a = 0.06;
+  const WallKernel kernel = WallKernel::of(R, 0);
+  const auto W = Kernel<double>::of_support(R);
+  for (const Vec3d x : {Vec3d{0.02, 0.01, 0.05}, Vec3d{0.09, -0.02, 0.04}, Vec3d{0.08, 0.1, -0.06}}) {
+    const FacetIntegrals plate = square(x, a, kernel);
+    const Vec3d n{0, 0, x.z < 0 ? -1.0 : 1.0}, measured = plate.surface * n + plate.rim;
+    Vec3d expected;
+    constexpr int cells = 231;
+    const double edge = 2 * R / cells;
+    for (int i = 0; i < cells * cells * cells; ++i) {
+      const Vec3d to_y =
+          edge * Vec3d{i % cells + 0.5, i / cells % cells + 0.5, i / cells / cells + 0.5} - Vec3d{R, R, R};
+      const double r = norm(to_y), part = -x.z / to_y.z;
+      if (r >= R || !(part > 0 && part < 1)) continue;
+      const Vec3d at = x + part * to_y;
+      if (std::fabs(at.x) < a && std::fabs(at.y) < a)
+        expected += (W.gradient_by_distance(r) * edge * edge * edge) * to_y;
+    }
+    std::printf("S n + rim of a plate, expected (%.4f, %.4f, %.4f) measured (%.4f, %.4f, %.4f) [1/R]\n",
+                R * expected.x, R * expected.y, R * expected.z, R * measured.x, R * measured.y,
+                R * measured.z);
+    EXPECT_NEAR(R * norm(measured - expected), 0, 8e-3);
+  }
+  // Seen edge-on, the plate hides nothing.
+  const FacetIntegrals edge_on = square({0.09, 0.01, 1e-9}, a, kernel);
+  EXPECT_GT(R * edge_on.surface, 0.2);
+  EXPECT_NEAR(R * norm(edge_on.surface * Vec3d{0, 0, 1} + edge_on.rim), 0, 1e-6);
+}
+
 // The particles of a lattice are above the diagonals of the faces of a box, up to rounding.
 TEST(FacetIntegrals, OfTwoTrianglesAreThoseOfTheirRectangleAlsoAboveTheDiagonal) {
   const double spacing = 0.01, R = 3 * spacing;
@@ -110,11 +140,14 @@ TEST(FacetIntegrals, OfTwoTrianglesAreThoseOfTheirRectangleAlsoAboveTheDiagonal)
   EXPECT_LT(largest, 1e-11);
 }
 
+// What the walls of a closed box hide is the integral of the kernel over everything outside, and the gradient
+// of that integral is the sum of -S n.
 TEST(FacetIntegrals, OfABoxAreTheKernelOutsideOfIt) {
   const double a = 0.1, R = 0.3;
   const WallKernel kernel = WallKernel::of(R, 0);
   const auto hidden = [&](Vec3d x, Vec3d* gradient) {
     double sum = 0;
+    Vec3d rim;
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {-1.0, 1.0}) {
         Vec3d n{}, u{}, w{};
@@ -125,8 +158,10 @@ TEST(FacetIntegrals, OfABoxAreTheKernelOutsideOfIt) {
         const Vec3d corner[4] = {centre - u - w, centre + u - w, centre + u + w, centre - u + w};
         const FacetIntegrals f = facet_integrals(x, corner, 4, normalized(cross(u, w)), kernel);
         sum += f.shadow;
+        rim += f.rim;
         if (gradient != nullptr) *gradient -= f.surface * n;
       }
+    EXPECT_NEAR(R * norm(rim), 0, 1e-12) << "its faces join";
     return sum;
   };
   const auto W = Kernel<double>::of_support(R);
