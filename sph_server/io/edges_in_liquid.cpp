@@ -86,7 +86,7 @@ bool is_in(const scene::Box& box, Vec3d x) {
 }  // namespace
 
 double missing_percent(double across) {
-  return std::min(50 / across, 100.0);
+  return std::min(30 / across, 100.0);
 }
 
 std::vector<std::string> edges_in_liquid(const scene::Scene& scene, const std::vector<BodyWalls>& walls,
@@ -117,7 +117,8 @@ std::vector<std::string> edges_in_liquid(const scene::Scene& scene, const std::v
         continue;
       sentences.push_back(fmt::format(
           "sph: wall '{}' of '{}' has sharp edges in the liquid and is {:.3g} m across, {:.3g} spacings: the "
-          "liquid there does not come to rest, and loads on it, such as its buoyancy, may be up to {:.0f} % "
+          "liquid there does not come to rest, and the mean of loads on it, such as its buoyancy, may be up "
+          "to {:.0f} % "
           "too small. Give a spacing of {:.3g} m or less, for {:.0f} spacings across",
           wall.name, scene.body_name(wall.body), extent, across, missing_percent(across), finer,
           enough_across));

@@ -1,4 +1,4 @@
-// Walls with sharp edges that stick out into the liquid, on which it acts too weakly.
+// Walls with sharp edges that stick out into the liquid, on which its load swings.
 #pragma once
 
 #include <span>
@@ -14,9 +14,8 @@ namespace tandem::sph {
 // A closed wall with fewer spacings across is not trusted where it has a sharp edge in the liquid.
 inline constexpr double enough_across = 12;
 
-// Part of the load on a body of so many spacings across that may be missing [%]: what was measured with 4 to
-// 12 spacings, rounded up; at most 100
-// (docs/experiments/2026-11-sph-immersed.md).
+// Part of the mean load on a body of so many spacings across that may be missing [%]: what was measured with
+// 4 to 8 spacings, rounded up; at most 100 (docs/experiments/2026-11-sph-rims.md).
 double missing_percent(double across);
 
 // A sentence for each closed wall that is too narrow, of the least extent along the axes of its frame, and

@@ -251,7 +251,8 @@ TEST(LiquidStart, WarnsOfNarrowWallsWithEdgesInTheLiquid) {
   const json block = with({0, 0, 0.06}, {0.08, 0.08, 0.04});
   const std::string sentence =
       "sph: wall 'block' of 'ground' has sharp edges in the liquid and is 0.04 m across, 2 spacings: the "
-      "liquid there does not come to rest, and loads on it, such as its buoyancy, may be up to 25 % too "
+      "liquid there does not come to rest, and the mean of loads on it, such as its buoyancy, may be up to "
+      "15 % too "
       "small. Give a spacing of 0.00332 m or less, for 12 spacings across";
   EXPECT_THAT(warnings(block), ElementsAre(sentence));
   json turned = block;
