@@ -17,6 +17,9 @@ constexpr double same_end = 1e-6;
 constexpr double hysteresis = 0.02;
 // Points of one face nearer to each other than this share of its size differ by rounding.
 constexpr double same_point = 1e-8;
+// Edges of two faces that cross at a smaller angle lie on each other: they are as near to each other as
+// points that bear as one, and where they cross jumps along them from step to step [rad].
+constexpr double least_crossing = 1e-4;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -308,7 +311,8 @@ class FeatureFinder {
         const Vector3d &x = polygon[m], &y = polygon[(m + 1) % polygon.size()];
         const double dx = out.dot(x - p) - 1e-9 * size, dy = out.dot(y - p) - 1e-9 * size;
         if (dx <= 0) cut.push_back(x);
-        if ((dx <= 0) != (dy <= 0)) cut.push_back(x + dx / (dx - dy) * (y - x));
+        if ((dx <= 0) != (dy <= 0) && std::abs(dx - dy) > least_crossing * (y - x).norm())
+          cut.push_back(x + dx / (dx - dy) * (y - x));
       }
       polygon = std::move(cut);
     }

@@ -211,6 +211,28 @@ void BodyContacts::aim_springs(State& state, double h) const {
   }
 }
 
+// The same for the directions of the springs of rolling friction: each turns with the spin of its body where
+// it is not along the normal, which is no rolling. In the middle of the step they are along the normal as
+// seen from the body that spins, or from between both.
+void BodyContacts::aim_rolling_springs(State& state, double h) const {
+  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
+    if (!(state.contacts(ContactRow::rolling_stiffness, k) > 0)) continue;
+    auto column = state.contacts.col(k);
+    const ContactFeature feature = feature_of(column);
+    const LinkMotion &a = link_of(model_, feature.a, system_.links()),
+                     &b = link_of(model_, feature.b, system_.links());
+    const Touch t = touch(model_, feature, system_.links(), Derivatives::with);
+    const Vector3d w_a = a.V.head<3>(), w_b = b.V.head<3>(), rate = t.dn_a * a.V + t.dn_b * b.V;
+    const double spin_a = std::abs(t.n.dot(w_a)), spin_b = std::abs(t.n.dot(w_b));
+    if (!(spin_a + spin_b > 0)) continue;
+    const Vector3d moved = (spin_a * w_a + spin_b * w_b).cross(t.n) / (spin_a + spin_b),
+                   middle = (t.n + 0.5 * h * (rate - moved)).normalized();
+    if (!((middle - a.R_WL * column.segment<3>(ContactRow::roll_a)).norm() > rolled)) continue;
+    const Vector3d bend = evaluate(model_, column, system_.links(), Derivatives::without).bend;
+    set_rolling_spring(middle, middle + bend.cross(t.n), a, b, column);
+  }
+}
+
 // Moves the ends of the spring of friction where it slides: to the stretch that has the friction with which
 // the step ended, without its damping. Returns the energy of the spring [J].
 double BodyContacts::move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const {

@@ -168,6 +168,7 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
 void BodyContacts::make_ready(State& state, double h) {
   if (state.next_step > 0) h = std::min(h, state.next_step);
   aim_springs(state, h);
+  aim_rolling_springs(state, h);
   if (h > growth * state.step &&
       h * h * system_.norm(state.udot_rate) > system_.norm(state.u) + h * system_.norm(state.udot))
     state.udot_rate.setZero();

@@ -191,6 +191,7 @@ class BodyContacts {
   bool accept(State& state, double h);
   void make_ready(State& state, double h);
   void aim_springs(State& state, double h) const;
+  void aim_rolling_springs(State& state, double h) const;
   double move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   double move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
   void lose(double energy, int shape_a, int shape_b);

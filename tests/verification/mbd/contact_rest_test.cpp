@@ -88,6 +88,21 @@ TEST(Contact, TwoHundredBoxesStayAtRest) {
   stay_at_rest(20, 20);
 }
 
+// Edges that lie on each other do not cross: the part of a face above an equal one has four corners, and
+// eight once the boxes are turned against each other.
+TEST(Contact, EdgesThatLieOnEachOtherDoNotCross) {
+  constexpr double height = 0.1, depth = 1e-6;
+  for (const double turn : {0., 1e-6, 5e-5, 1e-2}) {
+    ContactScene s({0, 0, 0});
+    s.add_box("lower", 1, {0.2, 0.2, height}, {0, 0, 0});
+    const BodyId upper = s.add_box("upper", 1, {0.2, 0.2, height}, {0, 0, height - depth});
+    s.body(upper).pose.q_WB = exp(Vec3d{0, 0, turn});
+    const ContactRun run(s.scene, 1e-3);
+    expect_near("points of equal faces, turned by " + std::to_string(turn) + " rad",
+                static_cast<double>(run.solver.state().contacts.cols()), turn < 1e-4 ? 4 : 8, 0);
+  }
+}
+
 // Energy falls while bodies come to rest, and then nothing moves.
 TEST(Contact, BoxComesToRest) {
   ContactScene s;
