@@ -43,11 +43,12 @@ json vat() {
 json& fill_of(json& scene) {
   return scene["sph"]["liquids"][0]["fill"];
 }
-json box_wall(const char* name, Vec3d position, Vec3d size) {
+json box_wall(const char* name, Vec3d position, Vec3d size, std::vector<std::string> open = {}) {
   return {{"name", name},
           {"position", {position.x, position.y, position.z}},
-          {"shape", {{"type", "box"}, {"size", {size.x, size.y, size.z}}}}};
+          {"shape", {{"type", "box"}, {"size", {size.x, size.y, size.z}}, {"open", open}}}};
 }
+const std::vector<std::string> across{"+y", "-y"};  // faces of a wall from one side of the vat to the other
 
 sph::LiquidState particles(const json& scene) {
   const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
@@ -172,6 +173,98 @@ TEST(LiquidStart, RefusesABoxThroughWhichAWallPasses) {
   fill_of(scene) = json::array({{{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0, 0.1, 0.16}}},
                                 {{"type", "box"}, {"min", {0, -0.1, 0}}, {"max", {0.2, 0.1, 0.16}}}});
   EXPECT_EQ(refusal(scene), "no error");
+}
+
+// Heights of the surface above the floor by the pressure at the start, of the sites of boxes for which
+// is_meant(x) holds.
+template <class IsMeant>
+std::vector<double> surfaces(const json& scene, IsMeant is_meant) {
+  const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+  scene::validate(parsed, "vat.json");
+  const sph::LiquidStart start = sph::prepare_start(parsed, {});
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < start.sites.position.size(); ++i)
+    if (const Vec3d x = start.sites.position[i]; is_meant(x)) heights.push_back(x.z + start.sites.above[i]);
+  return heights;
+}
+json filled_box(Vec3d min, Vec3d max) {
+  return {{"type", "box"}, {"min", {min.x, min.y, min.z}}, {"max", {max.x, max.y, max.z}}};
+}
+const auto everywhere = [](Vec3d) { return true; };
+
+TEST(LiquidStart, BoxesBelowABodyHaveThePressureOfTheLiquidBeside) {
+  json scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("block", {0, 0, 0.06}, {0.08, 0.08, 0.04}));
+  const sph::LiquidState inside = particles(scene);
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.04, 0.1, 0.16}),
+                    filled_box({0.04, -0.1, 0}, {0.2, 0.1, 0.16}),
+                    filled_box({-0.04, -0.1, 0}, {0.04, -0.04, 0.16}),
+                    filled_box({-0.04, 0.04, 0}, {0.04, 0.1, 0.16}),
+                    filled_box({-0.04, -0.04, 0}, {0.04, 0.04, 0.04}),
+                    filled_box({-0.04, -0.04, 0.08}, {0.04, 0.04, 0.16})};
+  const sph::LiquidState boxes = particles(scene);
+  ASSERT_EQ(boxes.size(), inside.size());
+  double apart = 0, deepest = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t k = 0; k < inside.size(); ++k)
+      if (norm(boxes.position[i] - inside.position[k]) < 0.01) {
+        apart = std::max(apart, std::fabs(boxes.compression[i] - inside.compression[k]));
+        deepest = std::max(deepest, inside.compression[k]);
+      }
+  expect_start("largest difference of a compression from that of the inside", 0, apart, 1e-9 * deepest);
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.16, 1e-12);
+  // A body that covers the liquid, its underside 0.2 spacings above the box below.
+  scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("float", {0, 0, 0.15}, {0.08, 0.2, 0.092}, across));
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.04, 0.1, 0.16}),
+                    filled_box({0.04, -0.1, 0}, {0.2, 0.1, 0.16}),
+                    filled_box({-0.04, -0.1, 0}, {0.04, 0.1, 0.1})};
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.16, 1e-12);
+  // Where the liquid can rise a spacing, it is not covered.
+  scene["sph"]["walls"][1] = box_wall("float", {0, 0, 0.18}, {0.08, 0.2, 0.12}, across);
+  const auto below = [](Vec3d x) { return std::fabs(x.x) < 0.04; };
+  for (const double height : surfaces(scene, below)) EXPECT_NEAR(height, 0.1, 1e-12);
+  // Liquid in a domain that repeats is connected through its ends.
+  scene = vat();
+  scene["sph"]["walls"] = {box_wall("float", {-0.15, 0, 0.15}, {0.1, 0.3, 0.1})};
+  scene["sph"]["domain"] = {{"min", {-0.2, -0.1, -0.2}}, {"max", {0.2, 0.1, 0.6}}, {"periodic", {"x", "y"}}};
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.1, 0.1, 0.1}),
+                    filled_box({0.16, -0.1, 0}, {0.2, 0.1, 0.16})};
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.16, 1e-12);
+}
+
+// A U-tube: the block in the middle leaves a channel of two spacings at the floor.
+TEST(LiquidStart, PressureOfCoveredLiquidGoesFromOneSurfaceToTheOther) {
+  json scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("block", {0, 0, 0.17}, {0.2, 0.2, 0.26}, {"+y", "-y", "+z"}));
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.1, 0.1, 0.2}),
+                    filled_box({-0.1, -0.1, 0}, {0.1, 0.1, 0.04}),
+                    filled_box({0.1, -0.1, 0}, {0.2, 0.1, 0.1})};
+  double worst = 0;
+  for (int column = 0; column < 10; ++column) {
+    const auto here = [&](Vec3d x) { return std::fabs(x.x - (-0.09 + 0.02 * column)) < 0.001; };
+    for (const double height : surfaces(scene, here))
+      worst = std::max(worst, std::fabs(height - (0.2 - 0.1 * (column + 1) / 11)));
+  }
+  expect_start("largest error of a surface above the channel [m]", 0, worst, 1e-9);
+  // A wall in the channel separates the liquids: each has its own surface.
+  scene["sph"]["walls"].push_back(
+      box_wall("gate", {-0.05, 0, 0.1}, {0.1, 0.2, 0.2}, {"-x", "+y", "-y", "+z", "-z"}));
+  fill_of(scene)[1]["max"][0] = 0;
+  fill_of(scene).push_back(filled_box({0, -0.1, 0}, {0.1, 0.1, 0.04}));
+  for (const double height : surfaces(scene, [](Vec3d x) { return x.x < 0; }))
+    EXPECT_NEAR(height, 0.2, 1e-12);
+  for (const double height : surfaces(scene, [](Vec3d x) { return x.x > 0; }))
+    EXPECT_NEAR(height, 0.1, 1e-12);
+}
+
+TEST(LiquidStart, AFullChamberHasThePressureOfItsHighestPoint) {
+  json scene = vat();
+  scene["sph"]["walls"][0]["shape"].erase("open");
+  scene["sph"]["walls"].push_back(
+      box_wall("block", {0.1, 0, 0.25}, {0.2, 0.2, 0.1}, {"+x", "+y", "-y", "+z"}));
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {0, 0.1, 0.3}), filled_box({0, -0.1, 0}, {0.2, 0.1, 0.2})};
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.3, 1e-12);
 }
 
 TEST(LiquidStart, RefusesAFillThatIsThinnerThanASpacing) {
