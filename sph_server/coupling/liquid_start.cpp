@@ -13,6 +13,7 @@
 #include "sph_server/equations/limits.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/io/check_start.hpp"
+#include "sph_server/io/coinciding_walls.hpp"
 #include "sph_server/io/columns.hpp"
 #include "sph_server/io/edges_in_liquid.hpp"
 #include "sph_server/io/open_faces.hpp"
@@ -121,7 +122,8 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
     start.setup.slip.push_back(sph.wall_friction == scene::WallFriction::free_slip);
   }
   check_start(start.sites, scene, start.walls, start.inlets, start.poses);
-  check_inlets(start.inlets, start.walls, start.poses, sph.spacing);
+  check_inlets(start.inlets, start.walls, start.poses, sph.spacing, start.insides,
+               start.insides.empty() ? Vec3d{} : -1.0 / norm(scene.gravity) * scene.gravity);
   start.setup.domain = sph.domain;
   start.setup.periods = periods_of(sph);
   measure_columns(scene, start.setup, start.poses, start.insides, start.sites);
@@ -149,7 +151,9 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
 }
 
 LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene) {
-  return liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses);
+  LiquidState state = liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses);
+  refuse_coinciding_walls(state.position, start.walls, start.inlets, start.setup, start.poses, scene);
+  return state;
 }
 
 }  // namespace tandem::sph

@@ -112,6 +112,32 @@ void expect_apart(const std::vector<Inlet>& inlets, double spacing) {
   }
 }
 
+// Behind an inlet its piston would push the liquid away, and jump back through it.
+void expect_one_side(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
+                     std::span<const particles::BodyPose> poses, const std::vector<FilledInside>& insides,
+                     Vec3d up) {
+  for (std::size_t k = 0; k < inlets.size(); ++k)
+    for (const Vec3d& site : inlets[k].site) {
+      const Vec3d x = inlets[k].of.pose.p_WB + inlets[k].of.pose.q_WB.rotate(site),
+                  ahead = inlets[k].of.pose.q_WB.rotate({0, 0, 0.5 * inlets[k].thickness});
+      const auto is_liquid = [&](Vec3d at) {
+        return std::ranges::any_of(insides, [&](const auto& filled) { return is_below(filled, at, up); });
+      };
+      if (!is_liquid(x + ahead) || !is_liquid(x - ahead)) continue;
+      bool separate = false;
+      each_facet(walls, poses, [&](const particles::Facet& facet, const std::string&) {
+        separate = separate || crosses(facet, x - ahead, x + ahead);
+      });
+      if (!separate)
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("the inlet '{}' has liquid on both sides, at {} m", inlets[k].of.name,
+                        scene::rounded(x)),
+            fmt::format("sph.inlets[{}]", k),
+            "put it on a wall of the vessel or of a nozzle, a solid in the liquid, or above the level");
+    }
+}
+
 }  // namespace
 
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
@@ -128,8 +154,10 @@ void check_start(const Sites& sites, const scene::Scene& scene, const std::vecto
 }
 
 void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
-                  std::span<const particles::BodyPose> poses, double spacing) {
+                  std::span<const particles::BodyPose> poses, double spacing,
+                  const std::vector<FilledInside>& insides, Vec3d up) {
   expect_apart(inlets, spacing);
+  expect_one_side(inlets, walls, poses, insides, up);
   for (std::size_t k = 0; k < inlets.size(); ++k) {
     const Inlet& inlet = inlets[k];
     const Vec3d ahead{0, 0, 0.5 * inlet.thickness};
