@@ -633,6 +633,24 @@ TEST(LiquidSensors, MeasureAStillVat) {
   expect_start("mass that passed [kg]", 0, mean["right.passed"], 0.01);
 }
 
+// As of a vessel that is empty.
+TEST(LiquidSensors, HaveLevelZeroWithoutLiquid) {
+  json scene = vat();
+  const auto gauge = [&](double x, double z) {
+    scene["sph"]["sensors"] = {{{"type", "level"}, {"name", "gauge"}, {"position", {x, 0, z}}}};
+    return SensedRun(scene).at_start.at(0);
+  };
+  EXPECT_EQ(gauge(0.3, 0), 0) << "outside of the vat";
+  EXPECT_NEAR(gauge(0.01, 0), 0.16, 0.003);
+  EXPECT_NEAR(gauge(0.01, 0.2), -0.04, 0.003) << "from above the surface";
+  scene["sph"]["liquids"][0]["fill"] = json::array();
+  scene["sph"]["inlets"] = {{{"name", "pipe"},
+                             {"position", {0, 0, 0}},
+                             {"shape", {{"type", "rectangle"}, {"size", {0.04, 0.04}}}},
+                             {"velocity", 0.5}}};
+  EXPECT_EQ(gauge(0.01, 0), 0) << "before the liquid comes in";
+}
+
 TEST(LiquidSensors, HaveTheSameBitsAfterARollback) {
   SensedRun run(sensed_vat());
   for (int i = 0; i < 5; ++i) run.advance();
