@@ -93,7 +93,8 @@ bool overlap(const Face& a, const Face& b) {
   return a.infinite || b.infinite || share_area(a, b, relative * size);
 }
 
-bool overlap(const Wall& a, const Wall& b) {
+// by_faces: flat faces count as well.
+bool overlap(const Wall& a, const Wall& b, bool by_faces) {
   if (a.body != b.body) return false;
   const auto* mesh_a = std::get_if<MeshShape>(&a.shape);
   const auto* mesh_b = std::get_if<MeshShape>(&b.shape);
@@ -106,6 +107,7 @@ bool overlap(const Wall& a, const Wall& b) {
   const auto* cylinder_a = std::get_if<CylinderShape>(&a.shape);
   const auto* cylinder_b = std::get_if<CylinderShape>(&b.shape);
   if (cylinder_a && cylinder_b && overlap(*cylinder_a, a.pose, *cylinder_b, b.pose)) return true;
+  if (!by_faces) return false;
   const std::vector<Face> faces_a = faces_of(a), faces_b = faces_of(b);
   for (const Face& face_a : faces_a)
     for (const Face& face_b : faces_b)
@@ -118,8 +120,8 @@ std::string path_of(const Wall& wall, std::size_t index, const char* list = "dem
 }
 
 // What holds for walls of grains and of a liquid. `list`: their place in the scene, `touch`: what touches
-// them.
-void validate_surfaces(const std::vector<Wall>& walls, const char* list, const char* touch,
+// them, `by_faces`: faces of two walls must not lie on each other.
+void validate_surfaces(const std::vector<Wall>& walls, const char* list, const char* touch, bool by_faces,
                        const Scene& scene, const std::string& origin) {
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const std::string path = path_of(walls[i], i, list);
@@ -139,7 +141,7 @@ void validate_surfaces(const std::vector<Wall>& walls, const char* list, const c
   }
   for (std::size_t i = 0; i < walls.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
-      if (overlap(walls[k], walls[i]))
+      if (overlap(walls[k], walls[i], by_faces))
         fail(origin, path_of(walls[i], i, list),
              "wall '" + walls[i].name + "' overlaps wall '" + walls[k].name + "' on '" +
                  scene.body_name(walls[i].body) + "'",
@@ -150,7 +152,8 @@ void validate_surfaces(const std::vector<Wall>& walls, const char* list, const c
 
 void validate_liquid_walls(const Scene& scene, const std::string& origin) {
   const std::vector<Wall>& walls = scene.sph->walls;
-  validate_surfaces(walls, "sph.walls", "the liquid touches", scene, origin);
+  // A block may stand on a floor: the solver knows which faces the liquid sees.
+  validate_surfaces(walls, "sph.walls", "the liquid touches", false, scene, origin);
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const std::string path = path_of(walls[i], i, "sph.walls");
     if (std::holds_alternative<PlaneShape>(walls[i].shape) && walls[i].body != ground)
@@ -165,7 +168,7 @@ void validate_liquid_walls(const Scene& scene, const std::string& origin) {
 
 void validate_walls(const Scene& scene, const std::string& origin) {
   const std::vector<Wall>& walls = scene.dem->walls;
-  validate_surfaces(walls, "dem.walls", "spheres touch", scene, origin);
+  validate_surfaces(walls, "dem.walls", "spheres touch", true, scene, origin);
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const std::string path = path_of(walls[i], i);
     if (const auto& surface = walls[i].surface_velocity) {

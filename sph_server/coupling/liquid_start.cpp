@@ -13,6 +13,8 @@
 #include "sph_server/equations/limits.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/io/check_start.hpp"
+#include "sph_server/io/coinciding_walls.hpp"
+#include "sph_server/io/columns.hpp"
 #include "sph_server/io/edges_in_liquid.hpp"
 #include "sph_server/io/open_faces.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
@@ -106,12 +108,8 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   const scene::Liquid& liquid = sph.liquids.front();
   LiquidStart start;
   start.walls = walls_of_bodies(scene, meshes);
-  start.sites = sites_of(liquid, sph.spacing, scene.gravity);
+  start.sites = sites_of(liquid, sph.spacing);
   start.insides = insides_of(scene, meshes);
-  start.depth = start.sites.deepest();
-  for (const FilledInside& filled : start.insides) start.depth = std::max(start.depth, filled.depth);
-  start.setup.liquid = properties_of(sph, scene.gravity, start.depth);
-  expect_sound_speed(liquid, start.setup.liquid, start.depth);
   for (const BodyWalls& body : start.walls) {
     start.poses.push_back(particles::pose_at_start(body.body, scene));
     start.setup.walls.push_back(body.mesh);
@@ -124,7 +122,16 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
     start.setup.slip.push_back(sph.wall_friction == scene::WallFriction::free_slip);
   }
   check_start(start.sites, scene, start.walls, start.inlets, start.poses);
-  check_inlets(start.inlets, start.walls, start.poses, sph.spacing);
+  check_inlets(start.inlets, start.walls, start.poses, sph.spacing, start.insides,
+               start.insides.empty() ? Vec3d{} : -1.0 / norm(scene.gravity) * scene.gravity);
+  start.setup.domain = sph.domain;
+  start.setup.periods = periods_of(sph);
+  measure_columns(scene, start.setup, start.poses, start.insides, start.sites);
+  start.depth = start.sites.deepest();
+  for (const FilledInside& filled : start.insides) start.depth = std::max(start.depth, filled.depth);
+  start.setup.liquid = properties_of(sph, scene.gravity, start.depth);
+  expect_sound_speed(liquid, start.setup.liquid, start.depth);
+  expect_periods(start.setup.periods, start.setup.liquid);
   start.warnings = open_faces(scene, meshes, start.insides, start.setup, start.poses);
   for (std::string& sentence : edges_in_liquid(scene, start.walls, start.poses, start.insides))
     start.warnings.push_back(std::move(sentence));
@@ -135,9 +142,6 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
           "earlier start or a later end_time",
           inlet.name, inlet.start, scene.end_time));
   if (const auto warning = warning_of_speed(liquid, start.setup.liquid)) start.warnings.push_back(*warning);
-  start.setup.domain = sph.domain;
-  start.setup.periods = periods_of(sph);
-  expect_periods(start.setup.periods, start.setup.liquid);
   if (!start.inlets.empty()) {
     const Vec3d size = sph.domain.max - sph.domain.min;
     const double filled = size.x * size.y * size.z / (sph.spacing * sph.spacing * sph.spacing);
@@ -147,7 +151,9 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
 }
 
 LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene) {
-  return liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses);
+  LiquidState state = liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses);
+  refuse_coinciding_walls(state.position, start.walls, start.inlets, start.setup, start.poses, scene);
+  return state;
 }
 
 }  // namespace tandem::sph

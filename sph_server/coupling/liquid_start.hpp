@@ -27,7 +27,7 @@ struct LiquidStart {
 // that check_start() and insides_of() refuse. `meshes`: of the walls with a mesh, by name.
 LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 
-// Its particles. Error{scene} as liquid_at_start().
+// Its particles. Error{scene} as liquid_at_start() and refuse_coinciding_walls().
 LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene);
 
 inline LiquidState start_of_liquid(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {

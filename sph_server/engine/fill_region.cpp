@@ -74,7 +74,7 @@ std::pair<double, double> extent_along(const TriangleMesh& region, Vec3d up) {
 // Where the level is along `up` [m].
 double level_of(const TriangleMesh& region, Vec3d up, const FillAmount& amount) {
   const auto [low, high] = extent_along(region, up);
-  const double whole = part_below(region, up, high).volume;
+  const double whole = part_below(region, up, high).volume + amount.common;
   if (amount.height) {
     if (!(*amount.height > 0 && *amount.height <= (high - low) * (1 + 1e-9)))
       refuse("a height of " + scene::rounded(*amount.height) + " m in a region that is " +
@@ -89,7 +89,7 @@ double level_of(const TriangleMesh& region, Vec3d up, const FillAmount& amount) 
   double lower = low, upper = high;
   for (int k = 0; k < 100; ++k) {
     const double middle = 0.5 * (lower + upper);
-    (part_below(region, up, middle).volume < *amount.volume ? lower : upper) = middle;
+    (part_below(region, up, middle).volume + amount.common < *amount.volume ? lower : upper) = middle;
   }
   return upper;
 }
@@ -166,7 +166,10 @@ class Filler {
       }
     }
     level_ = level_of(region, up(), amount);
-    const Below below = part_below(region, up(), level_);
+    Below below = part_below(region, up(), level_);
+    below.volume += amount.common;
+    uncompressed_ =
+        static_cast<std::size_t>(std::llround(below.volume * setup.liquid.density / setup.liquid.mass()));
     const Liquid& l = setup.liquid;
     const double wanted = below.volume * l.density / l.mass() * (1 + at_rest(l, below.depth).compression);
     wanted_ = static_cast<std::size_t>(std::llround(wanted));
@@ -179,7 +182,7 @@ class Filler {
     LiquidState state;
     const double a = setup_.liquid.spacing;
     const auto lattice = sites(a);
-    const bool fits = lattice.size() == uncompressed() &&
+    const bool fits = lattice.size() == uncompressed_ &&
                       std::ranges::all_of(lattice, [&](const Site& s) { return s.gap > 0.49 * a; });
     for (const Site& s : fits ? lattice : packed()) {
       Vec3d x = s.x;
@@ -199,13 +202,6 @@ class Filler {
 
  private:
   Vec3d up() const { return frame_.axis[2]; }
-
-  // Particles of a lattice that is not compressed.
-  std::size_t uncompressed() const {
-    const Liquid& l = setup_.liquid;
-    return static_cast<std::size_t>(
-        std::llround(part_below(region_, up(), level_).volume * l.density / l.mass()));
-  }
 
   double gap_at(Vec3d x) const {
     double gap = setup_.liquid.support();
@@ -311,9 +307,10 @@ class Filler {
   const TriangleMesh& region_;
   Frame frame_;
   Walls walls_;
-  double low_[3]{}, high_[3]{};  // bounds of the region along the axes of the lattice [m]
-  double level_ = 0;             // along `up` [m]
-  std::size_t wanted_ = 0;       // particles
+  double low_[3]{}, high_[3]{};   // bounds of the region along the axes of the lattice [m]
+  double level_ = 0;              // along `up` [m]
+  std::size_t wanted_ = 0;        // particles
+  std::size_t uncompressed_ = 0;  // the same in a lattice that is not compressed
 };
 
 }  // namespace

@@ -12,6 +12,8 @@ namespace tandem::sph {
 struct FillAmount {
   std::optional<double> height;  // [m]
   std::optional<double> volume;  // [m3]
+  // By how much the volumes of the solids that were taken out of the region exceed that of their union [m3].
+  double common = 0;
 };
 
 // Volume of the part of a closed mesh where dot(x, up) < level [m3]. up: a unit vector.

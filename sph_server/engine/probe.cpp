@@ -15,20 +15,37 @@ constexpr int samples_of_support = 4;  // of the hidden part, along a radius of 
 
 }  // namespace
 
-bool Probe::sees(Vec3d x, Vec3d y) const {
+std::vector<particles::Facet> Probe::facets_near(Vec3d x) const {
+  std::vector<particles::Facet> near;
+  const WallsView walls = walls_.view();
+  walls.for_near(x, liquid_.support(), [&](std::uint32_t number) {
+    const NearFacet f = walls.in_world(number);
+    particles::Facet& facet = near.emplace_back();
+    facet.a = f.a;
+    facet.b = f.b;
+    facet.c = f.c;
+    facet.normal = f.normal;
+    return true;
+  });
+  return near;
+}
+
+bool Probe::sees(const std::vector<particles::Facet>& near, Vec3d x, Vec3d y) const {
   const double r = norm(y - x);
   if (r == 0) return true;
   const double share = std::min(0.5, in_front * liquid_.spacing / r);
-  return !walls_.between(x + share * (y - x), y);
+  const Vec3d from = x + share * (y - x);
+  return std::ranges::none_of(near, [&](const particles::Facet& facet) { return crosses(facet, from, y); });
 }
 
 double Probe::pressure_at(Vec3d x) const {
   const double R = liquid_.support();
   const auto kernel = Kernel<double>::of_support(R);
+  const std::vector<particles::Facet> near = facets_near(x);
   double weight = 0, sum = 0;
   for (std::size_t i = 0; i < state_.size(); ++i) {
     const Vec3d d = periods_.shortest(state_.position[i] - x);
-    if (!(norm2(d) < R * R) || !sees(x, x + d)) continue;
+    if (!(norm2(d) < R * R) || !sees(near, x, x + d)) continue;
     const double w = volume(i) * kernel.value(norm(d));
     weight += w;
     sum += w * (state_.pressure[i] - dot(state_.slope[i], d));
@@ -36,35 +53,39 @@ double Probe::pressure_at(Vec3d x) const {
   return weight > 0 ? sum / weight : 0;
 }
 
-// By samples on a cubic lattice.
-double Probe::unhidden(Vec3d x) const {
+bool Probe::is_liquid(Vec3d x, const std::vector<std::size_t>& particles) const {
   const double R = liquid_.support(), step = R / samples_of_support;
-  NearWalls near;
-  walls_.find(x, R, near);
-  if (near.count == 0) return 1;
   const auto kernel = Kernel<double>::of_support(R);
-  double all = 0, seen = 0;
+  const std::vector<particles::Facet> near = facets_near(x);
+  double sum = 0;
+  for (const std::size_t i : particles) {
+    const Vec3d d = periods_.shortest(state_.position[i] - x);
+    if (norm2(d) < R * R && sees(near, x, x + d)) sum += volume(i) * kernel.value(norm(d));
+  }
+  if (!(sum > 0)) return false;
+  if (near.empty() || sum >= 0.5) return sum >= 0.5;
+  // The part that walls leave, by samples on a cubic lattice, as far as the answer needs it.
+  struct Sample {
+    Vec3d d;
+    double weight;
+  };
+  std::vector<Sample> samples;
+  double all = 0;
   for (int k = -samples_of_support; k < samples_of_support; ++k)
     for (int j = -samples_of_support; j < samples_of_support; ++j)
       for (int i = -samples_of_support; i < samples_of_support; ++i) {
         const Vec3d d = step * Vec3d{i + 0.5, j + 0.5, k + 0.5};
         if (!(norm2(d) < R * R)) continue;
-        const double w = kernel.value(norm(d));
-        all += w;
-        if (sees(x, x + d)) seen += w;
+        samples.push_back({d, kernel.value(norm(d))});
+        all += samples.back().weight;
       }
-  return seen / all;
-}
-
-double Probe::over_half(Vec3d x, const std::vector<std::size_t>& particles) const {
-  const double R = liquid_.support();
-  const auto kernel = Kernel<double>::of_support(R);
-  double sum = 0;
-  for (const std::size_t i : particles) {
-    const Vec3d d = periods_.shortest(state_.position[i] - x);
-    if (norm2(d) < R * R && sees(x, x + d)) sum += volume(i) * kernel.value(norm(d));
+  double seen = 0, hidden = 0;
+  for (const Sample& s : samples) {
+    (sees(near, x, x + s.d) ? seen : hidden) += s.weight;
+    if (seen > 2 * sum * all) return false;
+    if (all - hidden <= 2 * sum * all) return true;
   }
-  return sum > 0 ? sum - 0.5 * unhidden(x) : -1;
+  return seen <= 2 * sum * all;
 }
 
 double Probe::level_on(Vec3d from, Vec3d along) const {
@@ -80,15 +101,14 @@ double Probe::level_on(Vec3d from, Vec3d along) const {
     near_line.push_back(i);
   }
   if (near_line.empty()) return 0;
-  const auto is_liquid = [&](double s) { return over_half(from + s * along, near_line) >= 0; };
   const double step = line_step * liquid_.spacing;
   double above = high + R;
-  while (above >= low - R && !is_liquid(above - step)) above -= step;
+  while (above >= low - R && !is_liquid(from + (above - step) * along, near_line)) above -= step;
   if (above < low - R) return 0;
   double below = above - step;
   for (int k = 0; k < bisections; ++k) {
     const double middle = 0.5 * (below + above);
-    (is_liquid(middle) ? below : above) = middle;
+    (is_liquid(from + middle * along, near_line) ? below : above) = middle;
   }
   return below;
 }

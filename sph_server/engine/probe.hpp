@@ -26,13 +26,15 @@ class Probe {
   double level_on(Vec3d from, Vec3d along) const;
 
  private:
-  bool sees(Vec3d x, Vec3d y) const;
+  // Facets, in the world, that may be within the support of x.
+  std::vector<particles::Facet> facets_near(Vec3d x) const;
+  // Is none of them between x and y?
+  bool sees(const std::vector<particles::Facet>& near, Vec3d x, Vec3d y) const;
   double volume(std::size_t particle) const {
     return liquid_.mass() / liquid_.density / (1 + state_.compression[particle]);
   }
-  // Sum of volume times W over `particles` at x, less half the part of W that walls leave.
-  double over_half(Vec3d x, const std::vector<std::size_t>& particles) const;
-  double unhidden(Vec3d x) const;
+  // Is the sum of volume times W over `particles` at x at least half of the part of W that walls leave?
+  bool is_liquid(Vec3d x, const std::vector<std::size_t>& particles) const;
 
   const LiquidState& state_;
   const Liquid& liquid_;

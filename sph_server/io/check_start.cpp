@@ -13,36 +13,6 @@
 namespace tandem::sph {
 namespace {
 
-// Sites of one box, by their place in the lattice.
-struct Lattice {
-  scene::Box box;
-  std::size_t fill = 0;   // place in the fills of the liquid
-  std::size_t first = 0;  // index of the first site
-  int count[3]{};
-  Vec3d step;  // [m]
-};
-
-std::vector<Lattice> lattices_of(const scene::Liquid& liquid, double spacing) {
-  std::vector<Lattice> all;
-  std::size_t first = 0;
-  for (std::size_t k = 0; k < liquid.fill.size(); ++k) {
-    if (!std::holds_alternative<scene::Box>(liquid.fill[k])) continue;
-    const scene::Box box = std::get<scene::Box>(liquid.fill[k]);
-    Lattice& l = all.emplace_back();
-    l.box = box;
-    l.fill = k;
-    l.first = first;
-    std::size_t sites = 1;
-    for (int a = 0; a < 3; ++a) {
-      l.count[a] = static_cast<int>(std::round((box.max[a] - box.min[a]) / spacing));
-      l.step[a] = (box.max[a] - box.min[a]) / l.count[a];
-      sites *= static_cast<std::size_t>(l.count[a]);
-    }
-    first += sites;
-  }
-  return all;
-}
-
 // Visits the sites of a lattice within `margin` of the box around a facet, with their numbers along the axes.
 template <class Visit>
 void visit_near(const Lattice& l, const particles::Facet& f, double margin, Visit visit) {
@@ -58,13 +28,7 @@ void visit_near(const Lattice& l, const particles::Facet& f, double margin, Visi
   int n[3];
   for (n[2] = from[2]; n[2] <= to[2]; ++n[2])
     for (n[1] = from[1]; n[1] <= to[1]; ++n[1])
-      for (n[0] = from[0]; n[0] <= to[0]; ++n[0])
-        visit(l.first +
-                  (static_cast<std::size_t>(n[2]) * static_cast<std::size_t>(l.count[1]) +
-                   static_cast<std::size_t>(n[1])) *
-                      static_cast<std::size_t>(l.count[0]) +
-                  static_cast<std::size_t>(n[0]),
-              n);
+      for (n[0] = from[0]; n[0] <= to[0]; ++n[0]) visit(l.site(n), n);
 }
 
 // Calls each(facet in the world, name of its wall).
@@ -100,7 +64,8 @@ void expect_clear(const char* what, const std::vector<BodyWalls>& surfaces,
                                     scene::rounded(here), scene::rounded(next)),
                         place_of_fill(lattice.fill),
                         fmt::format("let the box end at the {}; where liquid is meant on both sides, give a "
-                                    "box for each side",
+                                    "box for each side, or fill the 'inside' of the vessel, which leaves "
+                                    "closed walls out",
                                     what));
         }
       });
@@ -147,6 +112,32 @@ void expect_apart(const std::vector<Inlet>& inlets, double spacing) {
   }
 }
 
+// Behind an inlet its piston would push the liquid away, and jump back through it.
+void expect_one_side(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
+                     std::span<const particles::BodyPose> poses, const std::vector<FilledInside>& insides,
+                     Vec3d up) {
+  for (std::size_t k = 0; k < inlets.size(); ++k)
+    for (const Vec3d& site : inlets[k].site) {
+      const Vec3d x = inlets[k].of.pose.p_WB + inlets[k].of.pose.q_WB.rotate(site),
+                  ahead = inlets[k].of.pose.q_WB.rotate({0, 0, 0.5 * inlets[k].thickness});
+      const auto is_liquid = [&](Vec3d at) {
+        return std::ranges::any_of(insides, [&](const auto& filled) { return is_below(filled, at, up); });
+      };
+      if (!is_liquid(x + ahead) || !is_liquid(x - ahead)) continue;
+      bool separate = false;
+      each_facet(walls, poses, [&](const particles::Facet& facet, const std::string&) {
+        separate = separate || crosses(facet, x - ahead, x + ahead);
+      });
+      if (!separate)
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("the inlet '{}' has liquid on both sides, at {} m", inlets[k].of.name,
+                        scene::rounded(x)),
+            fmt::format("sph.inlets[{}]", k),
+            "put it on a wall of the vessel or of a nozzle, a solid in the liquid, or above the level");
+    }
+}
+
 }  // namespace
 
 void check_start(const Sites& sites, const scene::Scene& scene, const std::vector<BodyWalls>& walls,
@@ -163,8 +154,10 @@ void check_start(const Sites& sites, const scene::Scene& scene, const std::vecto
 }
 
 void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
-                  std::span<const particles::BodyPose> poses, double spacing) {
+                  std::span<const particles::BodyPose> poses, double spacing,
+                  const std::vector<FilledInside>& insides, Vec3d up) {
   expect_apart(inlets, spacing);
+  expect_one_side(inlets, walls, poses, insides, up);
   for (std::size_t k = 0; k < inlets.size(); ++k) {
     const Inlet& inlet = inlets[k];
     const Vec3d ahead{0, 0, 0.5 * inlet.thickness};

@@ -21,8 +21,10 @@ void check_start(const Sites& sites, const scene::Scene& scene, const std::vecto
                  const std::vector<Inlet>& inlets, std::span<const particles::BodyPose> poses);
 
 // Error{scene} for an inlet with a wall between the middle of its first layer and one of the particles of
-// this layer, which the wall would cut off, and for two inlets whose particles come in at one place.
+// this layer, which the wall would cut off, for two inlets whose particles come in at one place, and for an
+// inlet with liquid of `insides` on both sides and no wall between. up: against gravity.
 void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
-                  std::span<const particles::BodyPose> poses, double spacing);
+                  std::span<const particles::BodyPose> poses, double spacing,
+                  const std::vector<FilledInside>& insides, Vec3d up);
 
 }  // namespace tandem::sph

@@ -10,17 +10,37 @@
 
 namespace tandem::sph {
 
-// Where particles are before the liquid is compressed: the middles of cubes of one spacing.
+// The sites of one box: the middles of cubes of one spacing.
+struct Lattice {
+  scene::Box box;
+  std::size_t fill = 0;   // place in Liquid::fill
+  std::size_t first = 0;  // index of the first site
+  int count[3]{};
+  Vec3d step;  // [m]
+
+  // Index of a site, by its numbers along the axes.
+  std::size_t site(const int* number) const {
+    return first +
+           (static_cast<std::size_t>(number[2]) * static_cast<std::size_t>(count[1]) +
+            static_cast<std::size_t>(number[1])) *
+               static_cast<std::size_t>(count[0]) +
+           static_cast<std::size_t>(number[0]);
+  }
+};
+// Of the boxes of a validated scene. Boxes that touch are one liquid.
+std::vector<scene::Box> boxes_of(const scene::Liquid& liquid);
+std::vector<Lattice> lattices_of(const scene::Liquid& liquid, double spacing);
+
+// Where particles are before the liquid is compressed.
 struct Sites {
   std::vector<Vec3d> position;  // [m] (n), box by box, in each x fastest
-  std::vector<double> above;    // of the liquid above, against gravity [m] (n)
-  std::vector<double> depth;    // of the whole column of liquid through the site [m] (n)
+  // Set by measure_columns().
+  std::vector<double> above;  // height of the surface above the site, against gravity [m] (n)
+  std::vector<double> depth;  // the same above the lower end of the column of liquid through the site [m] (n)
 
   double deepest() const;  // [m]
 };
-// The boxes of a validated scene. Boxes that touch are one liquid.
-std::vector<scene::Box> boxes_of(const scene::Liquid& liquid);
-Sites sites_of(const scene::Liquid& liquid, double spacing, Vec3d gravity);
+Sites sites_of(const scene::Liquid& liquid, double spacing);
 
 // Places, velocities and compressions of the particles. At hydrostatic pressure a column keeps its mass: it
 // is as much lower as its own weight compresses it.

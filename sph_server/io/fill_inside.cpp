@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "common/error.hpp"
@@ -12,6 +14,7 @@
 #include "particles/serving/boundary.hpp"
 #include "sph_server/io/body_walls.hpp"
 #include "sph_server/io/fill.hpp"
+#include "sph_server/io/points.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
 
 namespace tandem::sph {
@@ -23,10 +26,12 @@ TriangleMesh in_world(TriangleMesh mesh, BodyId body, const scene::Scene& scene)
   return mesh;
 }
 
-void join(const TriangleMesh& mesh, TriangleMesh& to) {
-  const auto first = static_cast<std::uint32_t>(to.vertices.size());
-  to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-  for (const auto& t : mesh.triangles) to.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+// solid: with its normals outwards.
+void take_out(const TriangleMesh& solid, TriangleMesh& region) {
+  const auto first = static_cast<std::uint32_t>(region.vertices.size());
+  region.vertices.insert(region.vertices.end(), solid.vertices.begin(), solid.vertices.end());
+  for (const auto& t : solid.triangles)
+    region.triangles.push_back({first + t[0], first + t[2], first + t[1]});
 }
 
 // An error of fill_region() with the place in the scene.
@@ -40,31 +45,83 @@ auto placed_at(std::size_t fill, Call call) {
   }
 }
 
-// Of a vertex that is on the surface of the region the winding number is between 0 and 1.
-constexpr double clearly_outside = 0.1, clearly_inside = 0.9;
+std::pair<Vec3d, Vec3d> bounds_of(const TriangleMesh& mesh) {
+  Vec3d low = mesh.vertices.front(), high = low;
+  for (const Vec3d& v : mesh.vertices)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], v[a]);
+      high[a] = std::max(high[a], v[a]);
+    }
+  return {low, high};
+}
 
-// Takes the insides of other closed walls out of the region, up to `level` along `up`.
-void take_out(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, const std::string& wall,
-              Vec3d up, double level, std::size_t fill, TriangleMesh& region) {
-  const TriangleMesh whole = region;
+// By how much the volumes of solids exceed that of their union, below a level along `up` [m3], by samples.
+double common_volume(std::span<const TriangleMesh> solids, Vec3d up, double level) {
+  constexpr int across = 40;
+  double volume = 0;
+  for (std::size_t s = 1; s < solids.size(); ++s) {
+    const auto [low, high] = bounds_of(solids[s]);
+    std::vector<std::size_t> others;  // before it, of which a part may be in it
+    Vec3d begin = high, end = low;    // of all these parts
+    for (std::size_t other = 0; other < s; ++other) {
+      const auto [its_low, its_high] = bounds_of(solids[other]);
+      Vec3d from, to;
+      for (int a = 0; a < 3; ++a) {
+        from[a] = std::max(low[a], its_low[a]);
+        to[a] = std::min(high[a], its_high[a]);
+      }
+      if (from.x >= to.x || from.y >= to.y || from.z >= to.z) continue;
+      others.push_back(other);
+      for (int a = 0; a < 3; ++a) {
+        begin[a] = std::min(begin[a], from[a]);
+        end[a] = std::max(end[a], to[a]);
+      }
+    }
+    if (others.empty()) continue;
+    const Vec3d step = (1.0 / across) * (end - begin);
+    std::size_t count = 0;
+    for (int k = 0; k < across; ++k)
+      for (int j = 0; j < across; ++j)
+        for (int i = 0; i < across; ++i) {
+          const Vec3d x = begin + Vec3d{(i + 0.5) * step.x, (j + 0.5) * step.y, (k + 0.5) * step.z};
+          const auto has = [&](std::size_t solid) { return winding_number(solids[solid], x) > 0.5; };
+          count += dot(x, up) < level && has(s) && std::ranges::any_of(others, has) ? 1 : 0;
+        }
+    volume += static_cast<double>(count) * step.x * step.y * step.z;
+  }
+  return volume;
+}
+
+// The closed walls that are in the region below `level` along `up`, with their normals outwards. A wall may
+// stand on the surface of the region.
+std::vector<TriangleMesh> solids_in(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
+                                    const std::string& wall, Vec3d up, double level, std::size_t fill,
+                                    const TriangleMesh& region) {
+  const double spacing = scene.sph->spacing;
+  std::vector<TriangleMesh> solids;
   for (const scene::Wall& other : scene.sph->walls) {
     if (other.name == wall || std::holds_alternative<scene::PlaneShape>(other.shape)) continue;
     TriangleMesh mesh = in_world(whole_mesh_of(other, *scene.sph, meshes), other.body, scene);
-    std::size_t inside = 0, outside = 0;
-    for (const Vec3d& v : mesh.vertices) {
-      if (dot(v, up) > level) continue;
-      const double winding = winding_number(whole, v);
-      inside += winding > clearly_inside ? 1 : 0;
-      outside += winding < clearly_outside ? 1 : 0;
+    if (!why_not_solid(mesh).empty()) continue;
+    if (is_inside_out(mesh)) turn_over(mesh);
+    std::optional<Vec3d> inside, outside;
+    for (const auto& t : mesh.triangles) {
+      const Vec3d a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]],
+                  into = -1e-3 * spacing * normalized(cross(b - a, c - a));
+      for_points(a, b, c, spacing, [&](Vec3d x) {
+        if ((inside && outside) || dot(x + into, up) > level) return;
+        (winding_number(region, x + into) > 0.5 ? inside : outside) = x;
+      });
     }
-    if (inside == 0 || !why_not_solid(mesh).empty()) continue;
-    if (outside > 0)
+    if (!inside) continue;
+    if (outside)
       throw Error(ErrorCode::scene,
-                  fmt::format("wall '{}' passes through wall '{}' below the level", other.name, wall),
-                  place_of_fill(fill), "let it end there, or fill boxes");
-    if (!is_inside_out(mesh)) turn_over(mesh);
-    join(mesh, region);
+                  fmt::format("wall '{}' passes through wall '{}' below the level: {} m is outside of it",
+                              other.name, wall, scene::rounded(*outside)),
+                  place_of_fill(fill), fmt::format("let '{}' end at '{}', or fill boxes", other.name, wall));
+    solids.push_back(std::move(mesh));
   }
+  return solids;
 }
 
 }  // namespace
@@ -113,15 +170,28 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
       return placed_at(k, [&] { return depth_of(filled.region, scene.gravity, filled.amount); });
     };
     filled.depth = depth();
-    take_out(scene, meshes, wall.name, up, inside->level.value_or(high), k, filled.region);
+    const std::vector<TriangleMesh> solids =
+        solids_in(scene, meshes, wall.name, up, inside->level.value_or(high), k, filled.region);
+    for (const TriangleMesh& solid : solids) take_out(solid, filled.region);
+    if (const double top = low + filled.depth, spacing = sph.spacing;
+        !solids.empty() &&
+        !(volume_below(filled.region, up, inside->level ? top : high) > spacing * spacing * spacing))
+      throw Error(ErrorCode::scene,
+                  fmt::format("the closed walls in wall '{}' leave no room for the liquid", wall.name),
+                  place_of_fill(k), "leave out those that are the same as the wall, or fill boxes");
     filled.depth = depth();
+    // Where a volume is given, the level depends on what the solids have in common below it.
+    for (int n = 0; n < (solids.size() < 2 ? 0 : inside->level ? 1 : 3); ++n) {
+      filled.amount.common = common_volume(solids, up, low + filled.depth);
+      filled.depth = depth();
+    }
     if (filled.depth < sph.spacing * (1 - 1e-9))
       throw Error(ErrorCode::scene,
                   fmt::format("the liquid is {:.3g} m deep there, less than sph.spacing of {:.3g} m",
                               filled.depth, sph.spacing),
                   place_of_fill(k), "give a tenth of the depth as the spacing, or more liquid");
     const double cube = sph.spacing * sph.spacing * sph.spacing,
-                 count = volume_below(filled.region, up, low + filled.depth) / cube;
+                 count = (volume_below(filled.region, up, low + filled.depth) + filled.amount.common) / cube;
     if (count >= Neighbour::most)
       throw Error(
           ErrorCode::scene,

@@ -46,6 +46,10 @@ TriangleMesh piston_of(const scene::LiquidInlet& inlet) {
 
 }  // namespace
 
+// How far the piston is in front of the inlet [thicknesses of a layer]. A wall that the inlet lies on is
+// hidden by the piston, and would act as well if both were in one plane.
+constexpr double piston_in_front = 1e-4;
+
 double Inlet::end() const {
   return of.end.value_or(std::numeric_limits<double>::infinity());
 }
@@ -65,7 +69,7 @@ std::uint64_t Inlet::layers_until(double time) const {
 particles::BodyPose Inlet::pose(double time, std::uint64_t layers) const {
   const Mat3d R = of.pose.q_WB.matrix();
   const double way = of.speed() * (std::clamp(time, of.start, std::max(of.start, end())) - of.start) -
-                     static_cast<double>(layers) * thickness;
+                     (static_cast<double>(layers) - piston_in_front) * thickness;
   const bool moves = time >= of.start && time < end();
   const Vec3d along = R * Vec3d{0, 0, 1};
   return {of.pose.p_WB + way * along, R, (moves ? of.speed() : 0) * along, {}};

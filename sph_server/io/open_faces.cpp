@@ -11,6 +11,7 @@
 #include "common/scene/fault.hpp"
 #include "particles/geometry/touch_facet.hpp"
 #include "particles/serving/boundary.hpp"
+#include "sph_server/io/points.hpp"
 #include "sph_server/neighbours/walls.hpp"
 
 namespace tandem::sph {
@@ -26,15 +27,6 @@ Opened opened(const decltype(scene::Wall::shape)& shape) {
   if (const auto* cylinder = std::get_if<scene::CylinderShape>(&shape))
     return {cylinder->open, {0, 0, 0.5 * cylinder->height.value()}};
   return {};
-}
-
-// Calls each(x) at points of a triangle that are less than `apart` from each other.
-template <class Each>
-void for_points(Vec3d a, Vec3d b, Vec3d c, double apart, Each each) {
-  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-  const int n = std::max(1, static_cast<int>(std::ceil(longest / apart)));
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; i + j < n; ++j) each(a + ((i + 1.0 / 3) / n) * (b - a) + ((j + 1.0 / 3) / n) * (c - a));
 }
 
 bool is_near(const Walls& walls, Vec3d x, double distance) {

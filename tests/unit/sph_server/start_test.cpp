@@ -43,11 +43,12 @@ json vat() {
 json& fill_of(json& scene) {
   return scene["sph"]["liquids"][0]["fill"];
 }
-json box_wall(const char* name, Vec3d position, Vec3d size) {
+json box_wall(const char* name, Vec3d position, Vec3d size, std::vector<std::string> open = {}) {
   return {{"name", name},
           {"position", {position.x, position.y, position.z}},
-          {"shape", {{"type", "box"}, {"size", {size.x, size.y, size.z}}}}};
+          {"shape", {{"type", "box"}, {"size", {size.x, size.y, size.z}}, {"open", open}}}};
 }
+const std::vector<std::string> across{"+y", "-y"};  // faces of a wall from one side of the vat to the other
 
 sph::LiquidState particles(const json& scene) {
   const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
@@ -113,6 +114,104 @@ TEST(LiquidStart, AClosedWallInTheLiquidIsLeftOut) {
                sph::insides_of(parsed, {}).at(0).depth, 1e-9);
 }
 
+// A wall that stands on the floor or at a side of the filled one, all of it in the liquid or not.
+TEST(LiquidStart, AClosedWallMayStandOnTheFloorOfTheLiquid) {
+  const struct {
+    const char* where;
+    Vec3d position, size;
+    double particles;  // in it
+  } blocks[] = {{"in the middle", {0, 0, 0.04}, {0.08, 0.08, 0.08}, 64},
+                {"below the floor by rounding", {0, 0, 0.04 - 1e-10}, {0.08, 0.08, 0.08}, 64},
+                {"at a side", {0.16, 0, 0.04}, {0.08, 0.08, 0.08}, 64},
+                {"in a corner", {0.16, 0.06, 0.04}, {0.08, 0.08, 0.08}, 64},
+                {"from side to side", {0, 0, 0.04}, {0.08, 0.2, 0.08}, 160},
+                {"out of the liquid", {0, 0, 0.1}, {0.08, 0.08, 0.2}, 128}};
+  for (const auto& block : blocks) {
+    json scene = vat();
+    scene["sph"]["walls"].push_back(box_wall("block", block.position, block.size));
+    const sph::LiquidState state = particles(scene);
+    expect_start(block.where, 1600 - block.particles, static_cast<double>(state.size()), 0);
+    for (const Vec3d& x : state.position)
+      EXPECT_FALSE(std::fabs(x.x - block.position.x) < 0.5 * block.size.x &&
+                   std::fabs(x.y - block.position.y) < 0.5 * block.size.y && x.z < 0.5 * block.size.z);
+  }
+}
+
+TEST(LiquidStart, WallsInTheLiquidMayPassThroughEachOther) {
+  json scene = vat();
+  // Two blades that cross have 2 x 2 x 4 particles in common. Their ends are not in one plane.
+  scene["sph"]["walls"].push_back(box_wall("blade", {0, 0, 0.08}, {0.16, 0.04, 0.08}));
+  scene["sph"]["walls"].push_back(box_wall("other", {0, 0, 0.08}, {0.04, 0.12, 0.0802}));
+  const double taken = 8 * 2 * 4 + 2 * 6 * 4 - 2 * 2 * 4;
+  expect_start("particles beside the blades", 1600 - taken, static_cast<double>(particles(scene).size()), 0);
+  fill_of(scene)[0].erase("level");
+  fill_of(scene)[0]["volume"] = (1600 - taken) * 8e-6;
+  const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+  // 0.1 mm of the other blade at both ends are not in the particles.
+  expect_start("depth by volume [m]", 0.16 + 0.04 * 0.12 * 2e-4 / (0.4 * 0.2),
+               sph::insides_of(parsed, {}).at(0).depth, 1e-6);
+}
+
+TEST(LiquidStart, RefusesAnInletWithLiquidOnBothSides) {
+  json scene = vat();
+  scene["sph"]["inlets"] = {{{"name", "pipe"},
+                             {"position", {0, 0, 0.06}},
+                             {"shape", {{"type", "rectangle"}, {"size", {0.04, 0.04}}}},
+                             {"velocity", 0.5}}};
+  EXPECT_EQ(
+      refusal(scene),
+      "scene: sph.inlets[0]: the inlet 'pipe' has liquid on both sides, at [-0.01, -0.01, 0.06] m (put it "
+      "on a wall of the vessel or of a nozzle, a solid in the liquid, or above the level)");
+  scene["sph"]["inlets"][0]["position"][2] = 0;
+  EXPECT_EQ(refusal(scene), "no error") << "on the floor";
+  scene["sph"]["inlets"][0]["position"][2] = 0.2;
+  EXPECT_EQ(refusal(scene), "no error") << "above the liquid";
+  scene["sph"]["inlets"][0]["position"][2] = 0.06;
+  scene["sph"]["walls"].push_back(box_wall("housing", {0, 0, 0.04}, {0.08, 0.08, 0.04}));
+  EXPECT_EQ(refusal(scene), "no error") << "on a solid in the liquid";
+}
+
+TEST(LiquidStart, RefusesWallsThatLieOnEachOtherInTheLiquid) {
+  json tank = vat();
+  tank["mbd"]["bodies"] = {
+      {{"name", "tank"}, {"mass", 5}, {"inertia", {1, 1, 1}}, {"position", {0, 0, 0.15}}}};
+  tank["sph"]["walls"][0]["body"] = "tank";
+  tank["sph"]["walls"][0].erase("position");
+  const auto beside = [&](const json& wall) {
+    json scene = tank;
+    scene["sph"]["walls"].push_back(wall);
+    return refusal(scene);
+  };
+  EXPECT_EQ(beside(box_wall("plate", {0, 0, -0.05}, {0.8, 0.8, 0.1})),
+            "scene: sph.walls: wall 'vat' of 'tank' and wall 'plate' of 'ground' lie on each other at "
+            "[0.0725, -0.0275, "
+            "0] m, where the liquid sees them: both would act on it (leave one of them out there, as by "
+            "'open' faces "
+            "of a box or a cylinder, or put the one that the liquid touches a hundredth of a spacing in "
+            "front of the "
+            "other)");
+  const json plane = {{"name", "plate"},
+                      {"shape", {{"type", "plane"}, {"normal", {0, 0, 1}}, {"point", {0, 0, 0}}}}};
+  EXPECT_THAT(beside(plane), HasSubstr("lie on each other")) << "a plane";
+  EXPECT_THAT(beside(box_wall("plate", {0.5, 0, -0.05}, {0.8, 0.8, 0.1})), HasSubstr("lie on each other"))
+      << "below a part of it";
+  EXPECT_THAT(beside(box_wall("other", {0.3, 0, 0.15}, {0.2, 0.2, 0.3}, {"+z"})),
+              HasSubstr("lie on each other"))
+      << "side by side";
+  EXPECT_EQ(beside(box_wall("plate", {0, 0, -0.0502}, {0.8, 0.8, 0.1})), "no error")
+      << "a hundredth of a spacing below";
+  // Coplanar faces that meet at edges, and those that overlap where no liquid is.
+  json scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("rim", {0, 0, 0.35}, {0.4, 0.2, 0.1}, {"+z", "-z"}));
+  EXPECT_EQ(refusal(scene), "no error");
+  scene["sph"]["walls"][1] = box_wall("rim", {0, 0, 0.35}, {0.4, 0.2, 0.2}, {"+z", "-z"});
+  EXPECT_EQ(refusal(scene), "no error");
+  scene["sph"]["walls"][1] = box_wall("rim", {0, 0, 0.25}, {0.4, 0.2, 0.3}, {"+z", "-z"});
+  EXPECT_THAT(refusal(scene), HasSubstr("lie on each other"));
+  scene["sph"]["walls"][1] = box_wall("block", {0.16, 0.06, 0.1}, {0.08, 0.08, 0.2});
+  EXPECT_EQ(refusal(scene), "no error") << "the sides of the block hide the faces in the corner";
+}
+
 TEST(LiquidStart, RefusesFillsThatAreNotInTheWall) {
   json scene = vat();
   fill_of(scene)[0]["level"] = 0.35;
@@ -128,10 +227,20 @@ TEST(LiquidStart, RefusesFillsThatAreNotInTheWall) {
       "of at most that of the region)");
   scene = vat();
   scene["sph"]["walls"].push_back(box_wall("post", {0, 0, 0.05}, {0.04, 0.04, 0.2}));
+  EXPECT_EQ(refusal(scene),
+            "scene: sph.liquids[0].fill[0]: wall 'post' passes through wall 'vat' below the level: [-0.02, "
+            "-0.0115152, -0.00151515] m is outside of it (let 'post' end at 'vat', or fill boxes)");
+  // A post through the floor and the level, and a bar through both sides.
+  for (const json& wall :
+       {box_wall("post", {0, 0, 0.1}, {0.04, 0.04, 0.4}), box_wall("post", {0, 0, 0.1}, {0.5, 0.04, 0.04})}) {
+    scene["sph"]["walls"][1] = wall;
+    EXPECT_THAT(refusal(scene), HasSubstr("wall 'post' passes through wall 'vat' below the level"));
+  }
+  scene["sph"]["walls"][1] = box_wall("post", {0, 0, 0.15}, {0.4, 0.2, 0.3}, {"+z"});
   EXPECT_EQ(
       refusal(scene),
-      "scene: sph.liquids[0].fill[0]: wall 'post' passes through wall 'vat' below the level (let it end "
-      "there, or fill boxes)");
+      "scene: sph.liquids[0].fill[0]: the closed walls in wall 'vat' leave no room for the liquid (leave "
+      "out those that are the same as the wall, or fill boxes)");
   scene = vat();
   fill_of(scene).push_back({{"type", "box"}, {"min", {0, 0, 0.1}}, {"max", {0.1, 0.1, 0.2}}});
   EXPECT_THAT(refusal(scene), HasSubstr("sph.liquids[0].fill[0]: another fill is in it as well, at"));
@@ -172,6 +281,98 @@ TEST(LiquidStart, RefusesABoxThroughWhichAWallPasses) {
   fill_of(scene) = json::array({{{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0, 0.1, 0.16}}},
                                 {{"type", "box"}, {"min", {0, -0.1, 0}}, {"max", {0.2, 0.1, 0.16}}}});
   EXPECT_EQ(refusal(scene), "no error");
+}
+
+// Heights of the surface above the floor by the pressure at the start, of the sites of boxes for which
+// is_meant(x) holds.
+template <class IsMeant>
+std::vector<double> surfaces(const json& scene, IsMeant is_meant) {
+  const scene::Scene parsed = scene::parse(scene.dump(), "vat.json");
+  scene::validate(parsed, "vat.json");
+  const sph::LiquidStart start = sph::prepare_start(parsed, {});
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < start.sites.position.size(); ++i)
+    if (const Vec3d x = start.sites.position[i]; is_meant(x)) heights.push_back(x.z + start.sites.above[i]);
+  return heights;
+}
+json filled_box(Vec3d min, Vec3d max) {
+  return {{"type", "box"}, {"min", {min.x, min.y, min.z}}, {"max", {max.x, max.y, max.z}}};
+}
+const auto everywhere = [](Vec3d) { return true; };
+
+TEST(LiquidStart, BoxesBelowABodyHaveThePressureOfTheLiquidBeside) {
+  json scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("block", {0, 0, 0.06}, {0.08, 0.08, 0.04}));
+  const sph::LiquidState inside = particles(scene);
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.04, 0.1, 0.16}),
+                    filled_box({0.04, -0.1, 0}, {0.2, 0.1, 0.16}),
+                    filled_box({-0.04, -0.1, 0}, {0.04, -0.04, 0.16}),
+                    filled_box({-0.04, 0.04, 0}, {0.04, 0.1, 0.16}),
+                    filled_box({-0.04, -0.04, 0}, {0.04, 0.04, 0.04}),
+                    filled_box({-0.04, -0.04, 0.08}, {0.04, 0.04, 0.16})};
+  const sph::LiquidState boxes = particles(scene);
+  ASSERT_EQ(boxes.size(), inside.size());
+  double apart = 0, deepest = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t k = 0; k < inside.size(); ++k)
+      if (norm(boxes.position[i] - inside.position[k]) < 0.01) {
+        apart = std::max(apart, std::fabs(boxes.compression[i] - inside.compression[k]));
+        deepest = std::max(deepest, inside.compression[k]);
+      }
+  expect_start("largest difference of a compression from that of the inside", 0, apart, 1e-9 * deepest);
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.16, 1e-12);
+  // A body that covers the liquid, its underside 0.2 spacings above the box below.
+  scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("float", {0, 0, 0.15}, {0.08, 0.2, 0.092}, across));
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.04, 0.1, 0.16}),
+                    filled_box({0.04, -0.1, 0}, {0.2, 0.1, 0.16}),
+                    filled_box({-0.04, -0.1, 0}, {0.04, 0.1, 0.1})};
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.16, 1e-12);
+  // Where the liquid can rise a spacing, it is not covered.
+  scene["sph"]["walls"][1] = box_wall("float", {0, 0, 0.18}, {0.08, 0.2, 0.12}, across);
+  const auto below = [](Vec3d x) { return std::fabs(x.x) < 0.04; };
+  for (const double height : surfaces(scene, below)) EXPECT_NEAR(height, 0.1, 1e-12);
+  // Liquid in a domain that repeats is connected through its ends.
+  scene = vat();
+  scene["sph"]["walls"] = {box_wall("float", {-0.15, 0, 0.15}, {0.1, 0.3, 0.1})};
+  scene["sph"]["domain"] = {{"min", {-0.2, -0.1, -0.2}}, {"max", {0.2, 0.1, 0.6}}, {"periodic", {"x", "y"}}};
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.1, 0.1, 0.1}),
+                    filled_box({0.16, -0.1, 0}, {0.2, 0.1, 0.16})};
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.16, 1e-12);
+}
+
+// A U-tube: the block in the middle leaves a channel of two spacings at the floor.
+TEST(LiquidStart, PressureOfCoveredLiquidGoesFromOneSurfaceToTheOther) {
+  json scene = vat();
+  scene["sph"]["walls"].push_back(box_wall("block", {0, 0, 0.17}, {0.2, 0.2, 0.26}, {"+y", "-y", "+z"}));
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {-0.1, 0.1, 0.2}),
+                    filled_box({-0.1, -0.1, 0}, {0.1, 0.1, 0.04}),
+                    filled_box({0.1, -0.1, 0}, {0.2, 0.1, 0.1})};
+  double worst = 0;
+  for (int column = 0; column < 10; ++column) {
+    const auto here = [&](Vec3d x) { return std::fabs(x.x - (-0.09 + 0.02 * column)) < 0.001; };
+    for (const double height : surfaces(scene, here))
+      worst = std::max(worst, std::fabs(height - (0.2 - 0.1 * (column + 1) / 11)));
+  }
+  expect_start("largest error of a surface above the channel [m]", 0, worst, 1e-9);
+  // A wall in the channel separates the liquids: each has its own surface.
+  scene["sph"]["walls"].push_back(
+      box_wall("gate", {-0.05, 0, 0.1}, {0.1, 0.2, 0.2}, {"-x", "+y", "-y", "+z", "-z"}));
+  fill_of(scene)[1]["max"][0] = 0;
+  fill_of(scene).push_back(filled_box({0, -0.1, 0}, {0.1, 0.1, 0.04}));
+  for (const double height : surfaces(scene, [](Vec3d x) { return x.x < 0; }))
+    EXPECT_NEAR(height, 0.2, 1e-12);
+  for (const double height : surfaces(scene, [](Vec3d x) { return x.x > 0; }))
+    EXPECT_NEAR(height, 0.1, 1e-12);
+}
+
+TEST(LiquidStart, AFullChamberHasThePressureOfItsHighestPoint) {
+  json scene = vat();
+  scene["sph"]["walls"][0]["shape"].erase("open");
+  scene["sph"]["walls"].push_back(
+      box_wall("block", {0.1, 0, 0.25}, {0.2, 0.2, 0.1}, {"+x", "+y", "-y", "+z"}));
+  fill_of(scene) = {filled_box({-0.2, -0.1, 0}, {0, 0.1, 0.3}), filled_box({0, -0.1, 0}, {0.2, 0.1, 0.2})};
+  for (const double height : surfaces(scene, everywhere)) EXPECT_NEAR(height, 0.3, 1e-12);
 }
 
 TEST(LiquidStart, RefusesAFillThatIsThinnerThanASpacing) {
@@ -431,6 +632,24 @@ TEST(LiquidSensors, MeasureAStillVat) {
   expect_start("mass in the right half [kg]", 6.4, mean["right.mass"], 1e-9);
   expect_start("volume there [m3]", 6.4e-3, mean["right.volume"], 0.01 * 6.4e-3);
   expect_start("mass that passed [kg]", 0, mean["right.passed"], 0.01);
+}
+
+// As of a vessel that is empty.
+TEST(LiquidSensors, HaveLevelZeroWithoutLiquid) {
+  json scene = vat();
+  const auto gauge = [&](double x, double z) {
+    scene["sph"]["sensors"] = {{{"type", "level"}, {"name", "gauge"}, {"position", {x, 0, z}}}};
+    return SensedRun(scene).at_start.at(0);
+  };
+  EXPECT_EQ(gauge(0.3, 0), 0) << "outside of the vat";
+  EXPECT_NEAR(gauge(0.01, 0), 0.16, 0.003);
+  EXPECT_NEAR(gauge(0.01, 0.2), -0.04, 0.003) << "from above the surface";
+  scene["sph"]["liquids"][0]["fill"] = json::array();
+  scene["sph"]["inlets"] = {{{"name", "pipe"},
+                             {"position", {0, 0, 0}},
+                             {"shape", {{"type", "rectangle"}, {"size", {0.04, 0.04}}}},
+                             {"velocity", 0.5}}};
+  EXPECT_EQ(gauge(0.01, 0), 0) << "before the liquid comes in";
 }
 
 TEST(LiquidSensors, HaveTheSameBitsAfterARollback) {
