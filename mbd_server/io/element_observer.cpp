@@ -258,7 +258,7 @@ void ElementObserver::observe_contacts(const State& state, const MachineSystem& 
       sum.force += sign * f->force, sum.friction += sign * f->friction;
       sum.torque += sign * wrench_at(f->p, f->force, f->torque).head<3>();
       sum.moment += f->normal * f->p;
-      sum.normal += f->normal, sum.depth = std::max(sum.depth, -f->gap), sum.points += 1;
+      sum.normal += f->normal, sum.depth = std::max(sum.depth, -f->gap), sum.points += f->gap <= 0;
       sum.power += f->power(), sum.energy += f->energy;
     });
   }

@@ -154,7 +154,8 @@ bool BodyContacts::accept(State& state, double h) {
     extremes_.force = std::max(extremes_.force, f.normal);
     if (const double share = -f.gap / thickness_at(model_, candidate.feature); share > extremes_.depth_share)
       extremes_.depth_share = share, extremes_.shape_a = shape_a, extremes_.shape_b = shape_b;
-    if (f.gap > 0) {
+    const bool open = f.gap > 0;
+    if (open && !returns_faintly(candidate.feature, f.gap, gaps_[i].rate)) {
       lose(begin.energy - done, shape_a, shape_b);
       candidate.column = -1;
       impact_ended |= h <= coarsest * column[ContactRow::period] / steps_per_contact &&
@@ -166,7 +167,9 @@ bool BodyContacts::accept(State& state, double h) {
     if (law.hertz) column[ContactRow::period] = period(column, -f.gap);
     const double since = state.time - column[ContactRow::entry_time],
                  entry_rate = since <= column[ContactRow::period] ? column[ContactRow::entry_rate] : 0;
-    if (is_impact(state, column, end))
+    if (open)
+      column[ContactRow::entry_rate] = std::min(column[ContactRow::entry_rate], std::abs(gaps_[i].rate));
+    else if (is_impact(state, column, end))
       longest =
           std::min(longest, impact_step(column, since, std::max(entry_rate, std::sqrt(end.square(column)))));
     else if (vibrates(column, end))
@@ -174,7 +177,7 @@ bool BodyContacts::accept(State& state, double h) {
 
     const double stored =
         normal_energy(law, -f.gap) + move_spring(f, column) + move_rolling_spring(f, column);
-    if (law.hertz) column[ContactRow::last_depth] = -f.gap;
+    if (law.hertz) column[ContactRow::last_depth] = std::max(0.0, -f.gap);
     lose(begin.energy - stored - done, shape_a, shape_b);
   }
   keep(state, kept);

@@ -8,7 +8,8 @@
 //   duration, and grow after it; they do so again where loads make a contact vibrate, and a longer step is
 //   repeated;
 // - a contact is faint that begins or ends at a rate at which bodies that are pressed together flicker: no
-//   step ends there, and no impact is resolved;
+//   step ends there, and no impact is resolved. A point that leaves at such a rate stays among the contacts,
+//   without a force, while it may come back at no more than it;
 // - after each step, friction that slides moves the ends of its spring (contact_force.hpp), so that the
 //   spring has the force with which the step ended.
 #pragma once
@@ -159,6 +160,7 @@ class BodyContacts {
   Range of_pair(int a, int b) const;
   void match(const State& state, Range points);
   void keep(State& state, const std::vector<Eigen::Index>& columns);
+  bool returns_faintly(const ContactFeature& feature, double gap, double rate) const;
   void measure(State& state, Gaps& gaps);
   std::optional<Passage> passed(double h) const;
   void expect_apart(const State& state, double share, ErrorCode code, const char* what,
