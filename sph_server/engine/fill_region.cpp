@@ -126,15 +126,17 @@ void expect_closed(const TriangleMesh& region, Vec3d up, double level) {
   }
 }
 
-// Axes of the lattice: the third is `up`.
+// Axes of the lattice: the third is `up`, the first as near as possible to an axis of the region.
 struct Frame {
   Vec3d axis[3];
-  explicit Frame(Vec3d up) {
+  Frame(Vec3d up, const Mat3d& axes) {
     int least = 0;
+    const Vec3d in_region = axes.transpose_times(up);
     for (int a = 1; a < 3; ++a)
-      if (std::fabs(up[a]) < std::fabs(up[least])) least = a;
+      if (std::fabs(in_region[a]) < std::fabs(in_region[least]) - 1e-9) least = a;
     Vec3d along;
     along[least] = 1;
+    along = axes * along;
     axis[0] = normalized(along - dot(along, up) * up);
     axis[1] = cross(up, axis[0]);
     axis[2] = up;
@@ -150,11 +152,11 @@ struct Site {
 class Filler {
  public:
   Filler(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses, const TriangleMesh& region,
-         const FillAmount& amount)
+         const FillAmount& amount, const Mat3d& axes)
       : setup_(setup),
         poses_(poses),
         region_(region),
-        frame_(upwards(setup.liquid.gravity)),
+        frame_(upwards(setup.liquid.gravity), axes),
         walls_(setup.walls, setup.liquid.support()) {
     for (std::uint32_t b = 0; b < walls_.bodies(); ++b) walls_.set_pose(b, poses[b]);
     for (int a = 0; a < 3; ++a) {
@@ -331,12 +333,12 @@ double depth_of(const TriangleMesh& region, Vec3d gravity, const FillAmount& amo
 }
 
 LiquidState fill_region(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
-                        const TriangleMesh& region, const FillAmount& amount) {
+                        const TriangleMesh& region, const FillAmount& amount, const Mat3d& axes) {
   expect_liquid(setup.liquid);
   depth_of(region, setup.liquid.gravity, amount);
   const Vec3d up = upwards(setup.liquid.gravity);
   const TriangleMesh oriented = outwards(region, up, extent_along(region, up).second);
-  return Filler(setup, poses, oriented, amount).fill();
+  return Filler(setup, poses, oriented, amount, axes).fill();
 }
 
 }  // namespace tandem::sph

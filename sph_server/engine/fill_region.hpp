@@ -31,7 +31,9 @@ double depth_of(const TriangleMesh& region, Vec3d gravity, const FillAmount& amo
 // has cavities, their triangles are wound the other way.
 // Error{scene} without gravity, for a mesh that is open below the level, for an amount that is not in the
 // mesh, and for less than one particle.
+// axes: of the region, which the lattice follows as far as gravity lets it.
 LiquidState fill_region(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
-                        const TriangleMesh& region, const FillAmount& amount);
+                        const TriangleMesh& region, const FillAmount& amount,
+                        const Mat3d& axes = Mat3d::identity());
 
 }  // namespace tandem::sph

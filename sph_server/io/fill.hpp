@@ -52,8 +52,9 @@ struct FilledInside {
   // In the world, without the insides of closed walls that are in it.
   TriangleMesh region;
   FillAmount amount;
-  double depth = 0;           // [m]
-  std::size_t particles = 0;  // volume / spacing^3
+  Mat3d axes = Mat3d::identity();  // of the wall, in the world
+  double depth = 0;                // [m]
+  std::size_t particles = 0;       // volume / spacing^3
 };
 // Error{scene} where the amount is not in the wall, where it is open below the level, and where another wall
 // passes through it there.

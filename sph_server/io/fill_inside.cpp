@@ -14,6 +14,7 @@
 #include "particles/serving/boundary.hpp"
 #include "sph_server/io/body_walls.hpp"
 #include "sph_server/io/fill.hpp"
+#include "sph_server/io/open_faces.hpp"
 #include "sph_server/io/points.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
 
@@ -55,6 +56,20 @@ std::pair<Vec3d, Vec3d> bounds_of(const TriangleMesh& mesh) {
   return {low, high};
 }
 
+Walls walls_at_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+  Liquid liquid;
+  liquid.spacing = scene.sph->spacing;
+  std::vector<TriangleMesh> of_bodies;
+  std::vector<particles::BodyPose> poses;
+  for (const BodyWalls& body : walls_of_bodies(scene, meshes)) {
+    of_bodies.push_back(body.mesh);
+    poses.push_back(particles::pose_at_start(body.body, scene));
+  }
+  Walls walls(of_bodies, liquid.support());
+  for (std::uint32_t b = 0; b < walls.bodies(); ++b) walls.set_pose(b, poses[b]);
+  return walls;
+}
+
 // By how much the volumes of solids exceed that of their union, below a level along `up` [m3], by samples.
 double common_volume(std::span<const TriangleMesh> solids, Vec3d up, double level) {
   constexpr int across = 40;
@@ -93,11 +108,13 @@ double common_volume(std::span<const TriangleMesh> solids, Vec3d up, double leve
 }
 
 // The closed walls that are in the region below `level` along `up`, with their normals outwards. A wall may
-// stand on the surface of the region.
+// stand on the surface of the region. What a wall leaves open and no other one closes has liquid on both
+// sides.
 std::vector<TriangleMesh> solids_in(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
                                     const std::string& wall, Vec3d up, double level, std::size_t fill,
                                     const TriangleMesh& region) {
   const double spacing = scene.sph->spacing;
+  const Walls walls = walls_at_start(scene, meshes);
   std::vector<TriangleMesh> solids;
   for (const scene::Wall& other : scene.sph->walls) {
     if (other.name == wall || std::holds_alternative<scene::PlaneShape>(other.shape)) continue;
@@ -113,7 +130,7 @@ std::vector<TriangleMesh> solids_in(const scene::Scene& scene, const std::vector
         (winding_number(region, x + into) > 0.5 ? inside : outside) = x;
       });
     }
-    if (!inside) continue;
+    if (!inside || open_face(other, scene, meshes, walls, up, level)) continue;
     if (outside)
       throw Error(ErrorCode::scene,
                   fmt::format("wall '{}' passes through wall '{}' below the level: {} m is outside of it",
@@ -149,6 +166,13 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
     filled.fill = k;
     filled.region = in_world(whole_mesh_of(wall, sph, meshes), wall.body, scene);
     if (is_inside_out(filled.region)) turn_over(filled.region);
+    const Mat3d body = particles::pose_at_start(wall.body, scene).R, own = wall.pose.q_WB.matrix();
+    for (int a = 0; a < 3; ++a) {
+      Vec3d axis;
+      axis[a] = 1;
+      axis = body * (own * axis);
+      for (int r = 0; r < 3; ++r) filled.axes.row[r][a] = axis[r];
+    }
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Vec3d& v : filled.region.vertices) {
       low = std::min(low, dot(v, up));
@@ -211,8 +235,8 @@ LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
   std::vector<std::size_t> from(all.size(),
                                 liquid.fill.size());  // fill of each particle, that of boxes unknown
   for (const FilledInside& filled : insides) {
-    const LiquidState part =
-        placed_at(filled.fill, [&] { return fill_region(setup, poses, filled.region, filled.amount); });
+    const LiquidState part = placed_at(
+        filled.fill, [&] { return fill_region(setup, poses, filled.region, filled.amount, filled.axes); });
     all.position.insert(all.position.end(), part.position.begin(), part.position.end());
     all.compression.insert(all.compression.end(), part.compression.begin(), part.compression.end());
     all.velocity.resize(all.size(), liquid.velocity);

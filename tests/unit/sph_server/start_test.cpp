@@ -152,6 +152,46 @@ TEST(LiquidStart, WallsInTheLiquidMayPassThroughEachOther) {
                sph::insides_of(parsed, {}).at(0).depth, 1e-6);
 }
 
+// The lattice follows the axes of the wall, so that a vat that is turned, with gravity or about it, starts as
+// before.
+TEST(LiquidStart, TurnsWithTheFilledWall) {
+  const sph::LiquidState level = particles(vat());
+  for (const Quat& q : {Quat{0.3, -0.5, 0.7, 0.2}.normalized(), Quat{0.95, 0, 0, 0.3}.normalized()}) {
+    json scene = vat();
+    const Vec3d gravity = q.rotate({0, 0, -9.81}), at = q.rotate({0, 0, 0.15});
+    scene["gravity"] = {gravity.x, gravity.y, gravity.z};
+    scene["sph"]["walls"][0]["position"] = {at.x, at.y, at.z};
+    scene["sph"]["walls"][0]["orientation"] = {q.w, q.x, q.y, q.z};
+    scene["sph"]["domain"] = {{"min", {-1, -1, -1}}, {"max", {1, 1, 1}}};
+    const sph::LiquidState turned = particles(scene);
+    ASSERT_EQ(turned.size(), level.size());
+    double apart = 0;
+    for (const Vec3d& x : turned.position) {
+      double nearest = 1;
+      for (const Vec3d& y : level.position) nearest = std::min(nearest, norm(x - q.rotate(y)));
+      apart = std::max(apart, nearest);
+    }
+    expect_start("largest distance from a particle of the vat that is not turned [m]", 0, apart, 1e-12);
+  }
+}
+
+TEST(LiquidStart, AWallThatIsOpenHasLiquidOnBothSides) {
+  json scene = vat();
+  const auto beside = [&](const json& wall) {
+    scene["sph"]["walls"][1] = wall;
+    return static_cast<double>(particles(scene).size());
+  };
+  expect_start("particles on both sides of a sheet", 1600,
+               beside(box_wall("sheet", {0, 0.03, 0.08}, {0.16, 0.06, 0.08}, {"+y", "+x", "-x", "+z", "-z"})),
+               0);
+  expect_start("in and around a cup that is open below the level", 1600,
+               beside(box_wall("cup", {0, 0, 0.08}, {0.08, 0.08, 0.08}, {"+z"})), 0);
+  expect_start("around a cup that is open above the level", 1600 - 80,
+               beside(box_wall("cup", {0, 0, 0.14}, {0.08, 0.08, 0.16}, {"+z"})), 0);
+  expect_start("around a block whose open face the floor closes", 1600 - 64,
+               beside(box_wall("block", {0, 0, 0.04}, {0.08, 0.08, 0.08}, {"-z"})), 0);
+}
+
 TEST(LiquidStart, RefusesAnInletWithLiquidOnBothSides) {
   json scene = vat();
   scene["sph"]["inlets"] = {{{"name", "pipe"},
