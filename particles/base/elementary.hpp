@@ -72,23 +72,4 @@ TANDEM_HD inline double inverse_sinh(double x) {
   return std::copysign(value, x);
 }
 
-struct SineCosine {
-  double sine, cosine;
-};
-// For |x| <= 1.6 rad, by the series of Taylor, whose terms have these ratios to the term before; the errors
-// are below 8e-16 of 1.
-TANDEM_HD inline SineCosine sine_cosine(double x) {
-  constexpr double of_sine[] = {1. / 6,   1. / 20,  1. / 42,  1. / 72,  1. / 110, 1. / 156,
-                                1. / 210, 1. / 272, 1. / 342, 1. / 420, 1. / 506, 1. / 600},
-                   of_cosine[] = {1. / 2,   1. / 12,  1. / 30,  1. / 56,  1. / 90,  1. / 132,
-                                  1. / 182, 1. / 240, 1. / 306, 1. / 380, 1. / 462, 1. / 552};
-  const double x2 = x * x;
-  double sine = 1, cosine = 1;
-  for (int n = 11; n >= 0; --n) {
-    sine = 1 - x2 * of_sine[n] * sine;
-    cosine = 1 - x2 * of_cosine[n] * cosine;
-  }
-  return {x * sine, cosine};
-}
-
 }  // namespace tandem::particles

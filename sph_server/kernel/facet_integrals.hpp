@@ -32,6 +32,9 @@ struct FacetIntegrals {
   }
 };
 
+// Where x is nearer to the line of an edge than this, divided by R, the side has no direction.
+inline constexpr double smallest_side = 1e-9;
+
 // What one edge adds to the integrals over a polygon, in polar coordinates about the foot of x in its plane;
 // lengths are divided by R. d: distance of x from the plane; e: distance of the foot from the edge, positive
 // where it is inside; the edge extends from t1 to t2, measured from the point of its line that is nearest.
@@ -39,7 +42,10 @@ struct EdgeIntegrals {
   double surface = 0;  // [-]
   double along = 0;    // integral of tail_of_surface along the edge [-]
   double shadow = 0;   // [-]
-  double side = 0;     // integral over the side of the shadow, see FacetIntegrals [-]
+  // Integrals over the side of the shadow: the part beyond the edge of the plane through x and the edge [-].
+  double side = 0;         // of W
+  double side_across = 0;  // of the part of (y - x) W away from the edge's line, and of that along the edge
+  double side_along = 0;
 };
 
 TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d, double e, double t1,
@@ -91,34 +97,23 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
     within += kernel.shadow[k] * j[k + 1];
   }
   sum.shadow += (j[1] - d_j) / 42 + d * within;
-  // The side is in a plane through x, so that its own d is 0.
-  const double angle_of_side = particles::angle_of(nearest * (to - from), nearest2 + from * to);
-  sum.side = kernel.tail[0] * angle_of_side;
-  for (int k = 1; k < WallKernel::terms; ++k) sum.side += kernel.tail[k] * nearest * i[k - 1];
-  return sum;
-}
 
-// Integral of (y - x) W over the part of the plane through x and the edge that is beyond the edge, divided by
-// 21/(2 pi): the angle about x from the nearest point of the edge's line, by the formula of Gauss. a, b: ends
-// of the edge as seen from x, divided by R.
-TANDEM_HD inline Vec3d side_integral(const WallKernel& kernel, Vec3d a, Vec3d b) {
-  constexpr double node[3] = {0.2386191860831969, 0.6612093864662645, 0.9324695142031521},
-                   weight[3] = {0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
-  const Vec3d along = normalized(b - a), foot = a - dot(a, along) * along;
-  const double distance = norm(foot);
-  if (!(distance > 1e-9 && distance < 1)) return {};
-  const Vec3d across = (1 / distance) * foot;
-  const double most = particles::angle_of(std::sqrt((1 - distance) * (1 + distance)), distance);
-  const double from = std::fmax(particles::angle_of(dot(a, along), distance), -most),
-               to = std::fmin(particles::angle_of(dot(b, along), distance), most);
-  if (!(from < to)) return {};
-  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
-  Vec3d sum;
-  for (int k = 0; k < 6; ++k) {
-    const particles::SineCosine at = particles::sine_cosine(middle + (k < 3 ? -half : half) * node[k % 3]);
-    const double s = std::fmin(distance / at.cosine, 1.0);
-    sum += (half * weight[k % 3] * kernel.tail_of_volume(s)) * (at.cosine * across + at.sine * along);
+  // The plane of the side goes through x: its d is 0, and its e is `nearest`. With t(s) of WallKernel the
+  // moments are the integrals along the edge of t(s) e/s^3 times e and times the position along the edge.
+  if (!(nearest > smallest_side)) return sum;
+  sum.side = kernel.tail[0] * particles::angle_of(nearest * (to - from), nearest2 + from * to);
+  sum.side_across = (to / s_to - from / s_from) / 42;
+  sum.side_along = (1 / s_from - 1 / s_to) / 42;
+  power_from = s_from;
+  power_to = s_to;
+  for (int k = 1; k < WallKernel::terms; ++k) {
+    sum.side += kernel.tail[k] * nearest * i[k - 1];
+    sum.side_across += k * kernel.shadow[k] * nearest2 * i[k - 1];
+    sum.side_along += kernel.shadow[k] * (power_to - power_from);
+    power_from *= s_from;
+    power_to *= s_to;
   }
+  sum.side_along *= nearest;
   return sum;
 }
 
@@ -144,11 +139,12 @@ TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, in
     surface += one.surface;
     shadow += one.shadow;
     in_plane -= one.along * outward;
-    Vec3d away = cross(begin, edge);
-    const double size = norm(away);
-    if (!(size > 1e-12 * R * length)) continue;
-    away = ((dot(away, outward) < 0 ? -1 : 1) / size) * away;
-    const Vec3d side = side_integral(kernel, (1 / R) * begin, (1 / R) * (begin + edge));
+    const Vec3d to_line = begin - dot(begin, along) * along;
+    const double distance = norm(to_line);
+    if (!(distance > smallest_side * R)) continue;
+    const Vec3d across = (1 / distance) * to_line, normal_of_side = cross(across, along),
+                away = dot(normal_of_side, outward) < 0 ? -normal_of_side : normal_of_side,
+                side = one.side_across * across + one.side_along * along;
     for (int a = 0; a < 3; ++a) sum.sides.row[a] += (scale * away[a]) * side;
     sum.rim += (scale / R * one.side) * away;
   }

@@ -65,9 +65,8 @@ struct Shadow {
     s.inward[0] = away;
     for (int k = 0; k < 3; ++k) {
       s.origin[k + 1] = x;
-      s.inward[k + 1] = cross(corner[k] - x, corner[k < 2 ? k + 1 : 0] - x);
-      // Counter-clockwise as seen from x, so that the third corner is on the negative side.
-      if (dot(corner[k < 1 ? 2 : k - 1] - x, s.inward[k + 1]) < 0) s.inward[k + 1] = -s.inward[k + 1];
+      // The corners are counter-clockwise as seen from x.
+      s.inward[k + 1] = cross(corner[k < 2 ? k + 1 : 0] - x, corner[k] - x);
     }
     return s;
   }

@@ -15,7 +15,7 @@ struct WallKernel {
   double R = 0;            // support [m]
   double tail[terms]{};    // coefficients of the integral of f(s) s from s to 1
   double shadow[terms]{};  // of the antiderivative of t(s)/s^2, where t(s) is the integral of f(s) s^2 from s
-                           // to 1, without the term -1/(42 s)
+                           // to 1, without the term -1/(42 s); t(s) = 1/42 + sum of k shadow[k] s^(k + 1)
 
   // f(s) = (1 - s)^4 (1 + 4 s) + 60 k (1 - s)^2 (1 - 2 s) with k = a^2 / (24 R^2).
   static WallKernel of(double support, double spacing) {
@@ -23,12 +23,6 @@ struct WallKernel {
     return {support,
             {1.0 / 14 + k, 0, -0.5 - 30 * k, 80 * k, 2.5 - 75 * k, -4 + 24 * k, 2.5, -4.0 / 7},
             {0, 0, -1.0 / 6 - 10 * k, 20 * k, 0.5 - 15 * k, -2.0 / 3 + 4 * k, 5.0 / 14, -1.0 / 14}};
-  }
-  // t(s), the integral of f(s) s^2 from s to 1.
-  TANDEM_HD double tail_of_volume(double s) const {
-    double value = 0;
-    for (int n = terms - 1; n >= 2; --n) value = (value + n * shadow[n]) * s;
-    return 1.0 / 42 + value * s * s;
   }
   TANDEM_HD static double sum(const double* coefficient, double s) {
     double value = 0;
