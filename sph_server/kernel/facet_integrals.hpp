@@ -123,11 +123,11 @@ TANDEM_HD inline Vec3d side_integral(const WallKernel& kernel, Vec3d a, Vec3d b)
 }
 
 // Integrals over a convex polygon of `count` corners, counter-clockwise about `normal` (unit). x may be on
-// either side of its plane.
+// either side of its plane. height: of x above the plane; its sign is the side on which x is, also where it
+// is of rounding size [m].
 TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, int count, Vec3d normal,
-                                                const WallKernel& kernel) {
+                                                double height, const WallKernel& kernel) {
   const double R = kernel.R;
-  const double height = dot(x - corner[0], normal);
   const double d = std::fabs(height) / R, facing = height < 0 ? -1 : 1;
   constexpr double scale = 21 / (2 * std::numbers::pi);
   FacetIntegrals sum;
@@ -144,10 +144,10 @@ TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, in
     surface += one.surface;
     shadow += one.shadow;
     in_plane -= one.along * outward;
-    Vec3d away = cross(begin, edge);
+    Vec3d away = cross(begin, edge);  // its part along `outward` is height * length
     const double size = norm(away);
     if (!(size > 1e-12 * R * length)) continue;
-    away = ((dot(away, outward) < 0 ? -1 : 1) / size) * away;
+    away = (facing / size) * away;
     const Vec3d side = side_integral(kernel, (1 / R) * begin, (1 / R) * (begin + edge));
     for (int a = 0; a < 3; ++a) sum.sides.row[a] += (scale * away[a]) * side;
     sum.rim += (scale / R * one.side) * away;
@@ -156,6 +156,10 @@ TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, in
   sum.shadow = scale * shadow;
   sum.moment = scale * in_plane - (d * R * facing * sum.surface) * normal;
   return sum;
+}
+TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, int count, Vec3d normal,
+                                                const WallKernel& kernel) {
+  return facet_integrals(x, corner, count, normal, dot(x - corner[0], normal), kernel);
 }
 
 }  // namespace tandem::sph
