@@ -118,11 +118,11 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
 }
 
 // Integrals over a convex polygon of `count` corners, counter-clockwise about `normal` (unit). x may be on
-// either side of its plane.
+// either side of its plane. height: of x above the plane; its sign is the side on which x is, also where it
+// is of rounding size [m].
 TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, int count, Vec3d normal,
-                                                const WallKernel& kernel) {
+                                                double height, const WallKernel& kernel) {
   const double R = kernel.R;
-  const double height = dot(x - corner[0], normal);
   const double d = std::fabs(height) / R, facing = height < 0 ? -1 : 1;
   constexpr double scale = 21 / (2 * std::numbers::pi);
   FacetIntegrals sum;
@@ -142,8 +142,8 @@ TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, in
     const Vec3d to_line = begin - dot(begin, along) * along;
     const double distance = norm(to_line);
     if (!(distance > smallest_side * R)) continue;
-    const Vec3d across = (1 / distance) * to_line, normal_of_side = cross(across, along),
-                away = dot(normal_of_side, outward) < 0 ? -normal_of_side : normal_of_side,
+    // The part of cross(to_line, along) along `outward` is the height.
+    const Vec3d across = (1 / distance) * to_line, away = facing * cross(across, along),
                 side = one.side_across * across + one.side_along * along;
     for (int a = 0; a < 3; ++a) sum.sides.row[a] += (scale * away[a]) * side;
     sum.rim += (scale / R * one.side) * away;
@@ -152,6 +152,10 @@ TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, in
   sum.shadow = scale * shadow;
   sum.moment = scale * in_plane - (d * R * facing * sum.surface) * normal;
   return sum;
+}
+TANDEM_HD inline FacetIntegrals facet_integrals(Vec3d x, const Vec3d* corner, int count, Vec3d normal,
+                                                const WallKernel& kernel) {
+  return facet_integrals(x, corner, count, normal, dot(x - corner[0], normal), kernel);
 }
 
 }  // namespace tandem::sph

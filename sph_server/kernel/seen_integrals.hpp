@@ -39,11 +39,12 @@ TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, cons
     if (n != k && may_hide(near.facet[n]) && shadow(n).meets(whole))
       hider[hiders++] = static_cast<std::uint8_t>(n);
   if (hiders == 0) return facet_integrals(x, corner, 3, f.normal, kernel);
+  const double height = dot(x - f.a, f.normal);
   FacetIntegrals sum;
   const bool whole_sum = for_visible_parts(
       whole, f.normal, x, kernel.R, hiders, [&](int n) { return shadow(hider[n]); },
       [&](const Polygon& part) {
-        sum += facet_integrals(x, part.corner.data(), part.count, f.normal, kernel);
+        sum += facet_integrals(x, part.corner.data(), part.count, f.normal, height, kernel);
       });
   overflow = overflow || !whole_sum;
   return sum;
