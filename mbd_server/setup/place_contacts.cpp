@@ -393,9 +393,10 @@ void place_roads(const scene::Scene& scene, Model& model) {
     const auto road = std::make_shared<Road>();
     for (const std::string& name : from->road) {
       const auto& ground = scene.contact->ground;
-      const auto index = std::ranges::find(ground, name, &scene::Shape::name) - ground.begin();
-      const ContactShape& shape = model.contact.shape(static_cast<int>(index));
-      road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2)});
+      const auto index =
+          static_cast<int>(std::ranges::find(ground, name, &scene::Shape::name) - ground.begin());
+      const ContactShape& shape = model.contact.shape(index);
+      road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2), index});
     }
     tyre.road = road;
     const scene::Joint& joint = scene.mbd->joints[from->joint.value];
