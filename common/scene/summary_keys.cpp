@@ -47,6 +47,12 @@ bool has_belts(const Scene& scene) {
                                           [](const Wall& wall) { return wall.surface_velocity.has_value(); });
 }
 
+bool has_tyres(const Scene& scene) {
+  return scene.mbd && std::ranges::any_of(scene.mbd->forces, [](const Force& force) {
+           return std::holds_alternative<Tyre>(force);
+         });
+}
+
 namespace runs_of {
 const Runs any{[](const Scene&) { return true; }, "all scenes"};
 const Runs mbd{[](const Scene& scene) { return scene.mbd.has_value(); }, "scenes with 'mbd'"};
@@ -66,6 +72,8 @@ const Runs belts{has_belts, "scenes with walls that have a surface_velocity"};
 const Runs elements{[](const Scene& scene) { return !elements_of(scene).empty(); },
                     "scenes with forces, couplers or driven joints"};
 const Runs contact{[](const Scene& scene) { return scene.contact.has_value(); }, "scenes with mbd.contact"};
+const Runs tyres_and_contact{[](const Scene& scene) { return scene.contact && has_tyres(scene); },
+                             "scenes with tyres and mbd.contact"};
 const Runs sensors{[](const Scene& scene) { return !sensor_columns(scene).empty(); },
                    "scenes with dem.sensors or sph.sensors"};
 const Runs dissipation{[](const Scene& scene) { return scene.output.dissipation; },

@@ -152,6 +152,23 @@ void add_mbd_rules(std::vector<Rule>& table) {
              run.facts.mbd.contact_depth_at.value_or(0), limit, ratio, ratio * ratio);
        }});
   table.push_back(
+      {"tyre_bottoming", "mbd_tyre_bottoming_share", 0.01,
+       "a rim that stands on the road beside its tyre takes load and friction that the tyre does not know "
+       "of; "
+       "an impact through the tyre onto the rim passes in less than a hundredth of its time on the road",
+       "a smaller shape, a stiffer tyre, or `ignore` of wheel and ground", nullptr,
+       [](const RunFigures& run) { return of_run(run.facts.mbd.tyre_bottoming); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "{} bear load on the same ground, from t = {:.6g} s on, for {:.2g} of the time that the tyre is "
+             "on "
+             "it (limit {:.2g}): make the shape smaller than the loaded radius of the tyre, give the tyre "
+             "more "
+             "stiffness, or add the wheel and \"ground\" to mbd.contact.ignore",
+             run.facts.mbd.tyre_bottoming_of.value_or("a tyre and a shape of its wheel"),
+             run.facts.mbd.tyre_bottoming_at.value_or(0), f.value, limit);
+       }});
+  table.push_back(
       {"shortened_steps", "mbd_shortened_steps / mbd_steps", 0.01,
        "an impact sometimes needs a step in parts, which is as accurate as others; at one step "
        "in a hundred the step is too long for the machine",

@@ -156,6 +156,11 @@ std::string report_facts(const RunFigures& f) {
     facts.contact_depth_of = f.deepest_contact;
     facts.contact_depth_at = f.totals.contact_depth_at;
   }
+  if (f.bottomed) {
+    facts.tyre_bottoming = f.bottomed->share;
+    facts.tyre_bottoming_of = f.bottomed->of;
+    facts.tyre_bottoming_at = f.bottomed->first_time;
+  }
   facts.size = f.size;
   facts.periods_per_step = f.periods_per_step;
   facts.warnings = run_warnings(f);

@@ -7,6 +7,7 @@
 #include "common/scene/model.hpp"
 #include "mbd_server/coupling/error_estimate.hpp"
 #include "mbd_server/io/run_totals.hpp"
+#include "mbd_server/io/tyre_bottoming.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/solve/assembly.hpp"
@@ -39,6 +40,7 @@ struct RunFigures {
   std::string sharpest_turn_loop;  // name of its closure; empty: there is none
   std::string cavitated;           // name of the first cylinder that cavitated; empty: none has
   std::string deepest_contact;     // names of its two shapes; empty: none touched
+  std::optional<TyreBottoming::Longest> bottomed;  // none: the scene has no tyre or no mbd.contact
   ReleasedAtStart released;
   std::string released_by;  // names of the two shapes that release most; empty: none overlap at the start
   std::vector<ElementObservation> elements;

@@ -81,7 +81,8 @@ MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMe
       joints(model),
       undetermined(model),
       balance(model),
-      elements(model, scene::elements_of(scene)) {
+      elements(model, scene::elements_of(scene)),
+      bottoming(model) {
   if (scene.mbd->start == scene::Start::equilibrium) equilibrium = find_equilibrium(model, system, state);
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
   if (scene.mbd->integrator.method == scene::IntegrationMethod::dormand_prince) {
@@ -150,6 +151,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   totals_.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
   totals_.energy.lost_of = totals_.energy.work_of;
   if (!model.contact.empty()) totals_.contact_impulses.assign(6 * model.boundary.size(), 0);
+  totals_.tyres = machine_->bottoming.totals();
   prescribed_.clear();
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (model.links[i].motion != none) prescribed_.push_back(static_cast<LinkIndex>(i));
@@ -405,6 +407,7 @@ protocol::Report MbdSolver::report() {
                              ? ""
                              : m.model.contact.shape(deepest).name + " and " +
                                    m.model.contact.shape(static_cast<int>(totals_.contact_depth_b)).name,
+      .bottomed = m.bottoming.longest(totals_.tyres),
       .released = m.touching.released(),
       .released_by = m.touching.released().shape_a == none
                          ? ""

@@ -10,6 +10,7 @@
 #include "mbd_server/io/energy_balance.hpp"
 #include "mbd_server/io/observation.hpp"
 #include "mbd_server/io/state_file.hpp"
+#include "mbd_server/io/tyre_bottoming.hpp"
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/solve/equilibrium.hpp"
@@ -64,6 +65,7 @@ class MbdSolver final : public protocol::MotionSolver {
     UndeterminedReactions undetermined;
     EnergyBalance balance;
     ElementObserver elements;
+    TyreBottoming bottoming;
     std::vector<std::string> joint_names;
     Integrator& integrator();
     ControlledMethod& controlled();  // whose steps an error control judges

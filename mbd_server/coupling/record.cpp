@@ -58,6 +58,7 @@ void MbdSolver::record_step(double h) {
   machine_->contacts.take_lost(
       [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
   if (!machine_->model.contact.empty()) record_contacts();
+  machine_->bottoming.add_step(state_, machine_->system.links(), h, totals_.tyres);
   if (sums_local_errors()) totals_.local_error_sum += local_error_;
   watch_energy();
   record_turn();

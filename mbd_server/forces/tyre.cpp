@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -54,6 +55,13 @@ Contact<T> contact_of(const TyreOnLink& tyre, const Wheel<T>& wheel, const RoadP
     if (value_of(along_leg) > 0) c.load = along_leg / leg.cosine;
   }
   return c;
+}
+
+Wheel<double> wheel_of(const TyreOnLink& tyre, const std::vector<LinkMotion>& links) {
+  const LinkMotion& link = links[static_cast<std::size_t>(tyre.centre.link)];
+  const Vector3d centre = link.point(tyre.centre.p_LP), axle = link.R_WL * tyre.axle;
+  return {triple<double>(centre), triple<double>(axle), triple<double>(link.V.head<3>()),
+          triple<double>(link.V.tail<3>())};
 }
 
 // How far the tread is from sliding as a whole, 1 where it does so.
@@ -156,9 +164,8 @@ std::array<double, 2> solved(const TyreOnLink& tyre, const Contact<double>& c, c
 
 TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector<LinkMotion>& links) {
   const LinkMotion& link = links[static_cast<std::size_t>(tyre.centre.link)];
-  const Vector3d centre = link.point(tyre.centre.p_LP), axle = link.R_WL * tyre.axle;
-  const Wheel<double> wheel{triple<double>(centre), triple<double>(axle), triple<double>(link.V.head<3>()),
-                            triple<double>(link.V.tail<3>())};
+  const Wheel<double> wheel = wheel_of(tyre, links);
+  const Vector3d centre = numbers(wheel.centre), axle = numbers(wheel.axle);
   const auto expect_upright = [&](const Vector3d& normal) {
     if (!(axle.cross(normal).norm() > least_sine))
       fail_on_road(tyre, "lies on the road: its axle is within 12 degrees of the normal",
@@ -240,6 +247,20 @@ TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector
     out.by_velocity.row(i) = total.rightCols<6>();
   }
   return out;
+}
+
+double load_on(const TyreOnLink& tyre, const std::vector<LinkMotion>& links) {
+  const Wheel<double> wheel = wheel_of(tyre, links);
+  return contact_of(tyre, wheel, plane_under(tyre, wheel.centre, wheel.axle)).load;
+}
+
+bool stands_on(const TyreOnLink& tyre, const std::vector<LinkMotion>& links, int shape) {
+  const Wheel<double> wheel = wheel_of(tyre, links);
+  const Contact<double> c = contact_of(tyre, wheel, plane_under(tyre, wheel.centre, wheel.axle));
+  return std::ranges::any_of(points_around(tyre, wheel.axle, c.p), [&](const Triple<double>& p) {
+    const auto place = tyre.road->below(numbers(begin_of_ray(tyre, wheel.centre, p)), tyre.normal);
+    return place && place->surface->shape == shape;
+  });
 }
 
 }  // namespace tandem::mbd

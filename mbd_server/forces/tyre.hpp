@@ -35,5 +35,9 @@ struct TyreForce {
 
 // Throws Error{numerics} where the wheel lies on the road or passes through it, and as plane_under().
 TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector<LinkMotion>& links);
+// Its force normal to the road alone [N].
+double load_on(const TyreOnLink& tyre, const std::vector<LinkMotion>& links);
+// Whether one of the four points under a tyre with a road is on that shape of contact.
+bool stands_on(const TyreOnLink& tyre, const std::vector<LinkMotion>& links, int shape);
 
 }  // namespace tandem::mbd

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "common/error.hpp"
@@ -48,10 +49,17 @@ Leg<T> leg_of(const Triple<T>& centre, const Triple<T>& axle, const RoadPlane<T>
               hint);
 }
 
-// Where the ray through p against `up`, from the height of the centre, meets the road.
+// Where the ray through p against `up` begins: at the height of the centre.
+template <class T>
+Triple<T> begin_of_ray(const TyreOnLink& tyre, const Triple<T>& centre, const Triple<T>& p) {
+  const Triple<T> up = triple<T>(tyre.normal);
+  return sum(p, scaled(dot(difference(centre, p), up), up));
+}
+
+// Where that ray meets the road.
 template <class T>
 Triple<T> met(const TyreOnLink& tyre, const Triple<T>& centre, const Triple<T>& p) {
-  const Triple<T> up = triple<T>(tyre.normal), from = sum(p, scaled(dot(difference(centre, p), up), up));
+  const Triple<T> up = triple<T>(tyre.normal), from = begin_of_ray(tyre, centre, p);
   const std::optional<Road::Place> place = tyre.road->below(numbers(from), tyre.normal);
   if (!place)
     fail_on_road(tyre, "has no road below it",
@@ -68,16 +76,24 @@ Triple<T> met(const TyreOnLink& tyre, const Triple<T>& centre, const Triple<T>& 
   return difference(from, scaled(distance, up));
 }
 
+// The four points around p: ahead, behind, left and right.
+template <class T>
+std::array<Triple<T>, 4> points_around(const TyreOnLink& tyre, const Triple<T>& axle, const Triple<T>& p) {
+  using std::sqrt;
+  const Triple<T> up = triple<T>(tyre.normal), ahead = cross(axle, up);
+  const T size = sqrt(dot(ahead, ahead));
+  const Triple<T> along = scaled(T(0.5 * tyre.patch) / size, ahead), across = cross(up, along);
+  return {sum(p, along), difference(p, along), sum(p, across), difference(p, across)};
+}
+
 // The plane under the four points around p.
 template <class T>
 RoadPlane<T> plane_around(const TyreOnLink& tyre, const Triple<T>& centre, const Triple<T>& axle,
                           const Triple<T>& p) {
   using std::sqrt;
-  const Triple<T> up = triple<T>(tyre.normal), ahead = cross(axle, up);
-  const T size = sqrt(dot(ahead, ahead));
-  const Triple<T> along = scaled(T(0.5 * tyre.patch) / size, ahead), across = cross(up, along);
-  const Triple<T> front = met(tyre, centre, sum(p, along)), back = met(tyre, centre, difference(p, along)),
-                  left = met(tyre, centre, sum(p, across)), right = met(tyre, centre, difference(p, across));
+  const std::array<Triple<T>, 4> around = points_around(tyre, axle, p);
+  const Triple<T> front = met(tyre, centre, around[0]), back = met(tyre, centre, around[1]),
+                  left = met(tyre, centre, around[2]), right = met(tyre, centre, around[3]);
   for (const auto& [a, b] : {std::pair{&front, &back}, std::pair{&left, &right}})
     if (const RoadSurface* s = tyre.road->step_between(numbers(*a), numbers(*b), tyre.normal))
       fail_on_road(tyre, fmt::format("comes to a step of road \"{}\"", s->name),

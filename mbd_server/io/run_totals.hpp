@@ -33,6 +33,13 @@ struct EnergySums {
   }
 };
 
+// Of each tyre, at the ends of steps (tyres; empty: see io/tyre_bottoming.hpp).
+struct TyreTotals {
+  // Time in contact with the road, time of it in which a shape on the wheel bore load on the same ground, the
+  // first instant of that [s], and the shape then; -1: none.
+  std::vector<double> time, bottomed, bottomed_at, bottomed_shape;
+};
+
 struct RunTotals {
   EnergySums energy;
   double largest_residual = 0,
@@ -58,6 +65,7 @@ struct RunTotals {
   // Their impulse on each boundary body since the start: torque about its centre of mass and force, world
   // axes [N m s], [N s] (6 for each boundary body; empty without mbd.contact).
   std::vector<double> contact_impulses;
+  TyreTotals tyres;
 };
 
 // Calls f(name, value) for every number; `totals` is a RunTotals or const RunTotals.
@@ -95,12 +103,16 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("contact_depth_b", totals.contact_depth_b);
 }
 
-// Calls f(name, values) for the shares of the elements, and for the impulses of contacts.
+// Calls f(name, values) for the shares of the elements, the impulses of contacts, and the tyres.
 template <class AnyTotals, class F>
 void for_each_list(AnyTotals& totals, F&& f) {
   f("work_of", totals.energy.work_of);
   f("lost_of", totals.energy.lost_of);
   f("contact_impulses", totals.contact_impulses);
+  f("tyre_time", totals.tyres.time);
+  f("tyre_bottomed", totals.tyres.bottomed);
+  f("tyre_bottomed_at", totals.tyres.bottomed_at);
+  f("tyre_bottomed_shape", totals.tyres.bottomed_shape);
 }
 
 }  // namespace tandem::mbd

@@ -8,13 +8,14 @@
 #include "common/error.hpp"
 #include "common/state_file.hpp"
 #include "common/utf8.hpp"
+#include "mbd_server/io/tyre_bottoming.hpp"
 #include "mbd_server/state/fields.hpp"
 
 namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 10;
+constexpr std::uint64_t version = 11;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -73,6 +74,8 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
     fail("totals/cavitated_element", e, "no number of a motor or cylinder of the scene");
   expect_index("totals/contact_depth_a", saved.totals.contact_depth_a, model.contact.shapes.size());
   expect_index("totals/contact_depth_b", saved.totals.contact_depth_b, model.contact.shapes.size());
+  for (const double shape : saved.totals.tyres.bottomed_shape)
+    expect_index("totals/tyre_bottomed_shape", shape, model.contact.shapes.size());
   constexpr double latest = 9e9;  // [s] latest time that nanoseconds can represent
   if (saved.state.time > latest) fail("time", saved.state.time, "no time of a run");
   if (std::abs(saved.totals.fewest_freedoms) > model.freedoms + model.equations)
@@ -115,6 +118,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   saved.totals.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
   saved.totals.energy.lost_of = saved.totals.energy.work_of;
   if (!model.contact.empty()) saved.totals.contact_impulses.assign(6 * model.boundary.size(), 0);
+  saved.totals.tyres = TyreBottoming(model).totals();
   for_each_list(saved.totals, [&](const std::string& name, std::vector<double>& values) {
     // Absent where the state was written without totals.
     if (file.size("totals/" + name) > 0) file.read("totals/" + name, std::span(values));

@@ -15,6 +15,7 @@ struct RoadSurface {
   std::string name;
   std::shared_ptr<const ContactMesh> mesh{};
   Vector3d point = Vector3d::Zero(), normal = Vector3d::UnitZ();  // of the plane [m], [-]
+  int shape = none;                                               // of BodyContactModel
 };
 
 struct Road {

@@ -58,16 +58,12 @@ struct ContactPlacer {
   const scene::BodyContact& contact;
   const std::vector<NamedMesh>& meshes;
 
-  const TriangleMesh& file_of(const scene::Shape& shape) const {
-    return tandem::mbd::file_of(at.scene, shape, meshes);
-  }
-
   // Where a shape is far too large a scale is missing.
   std::string text_of_file(const scene::Shape& shape) const {
     const std::string& name = scene::file_of(shape.geometry);
     if (name.empty()) return {};
     Vector3d low = Vector3d::Constant(HUGE_VAL), high = -low;
-    for (const Vec3d& p : file_of(shape).vertices)
+    for (const Vec3d& p : file_of(at.scene, shape, meshes).vertices)
       low = low.cwiseMin(to_eigen(p)), high = high.cwiseMax(to_eigen(p));
     const double scale = scene::scale_of(shape.geometry);
     return fmt::format("{} is {:.4g} m wide with a scale of {:.3g}{}", name, (high - low).maxCoeff(), scale,
@@ -125,10 +121,10 @@ struct ContactPlacer {
       finish(s);
     } else if (const auto* hull = std::get_if<scene::HullShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::hull;
-      add_hull(hull->file.empty() ? hull->points : file_of(shape).vertices, shape, s);
+      add_hull(hull->file.empty() ? hull->points : file_of(at.scene, shape, meshes).vertices, shape, s);
       finish_hull(s, local);
     } else if (std::holds_alternative<scene::MeshShape>(shape.geometry)) {
-      add_mesh(file_of(shape), shape, s, local);
+      add_mesh(file_of(at.scene, shape, meshes), shape, s, local);
     } else if (const auto* field = std::get_if<scene::HeightFieldShape>(&shape.geometry)) {
       add_mesh(height_field_mesh(field->size_x, field->size_y, field->heights, field->base), shape, s, local);
     } else if (const auto* plane = std::get_if<scene::PlaneShape>(&shape.geometry)) {
@@ -397,9 +393,10 @@ void place_roads(const scene::Scene& scene, Model& model) {
     const auto road = std::make_shared<Road>();
     for (const std::string& name : from->road) {
       const auto& ground = scene.contact->ground;
-      const auto index = std::ranges::find(ground, name, &scene::Shape::name) - ground.begin();
-      const ContactShape& shape = model.contact.shape(static_cast<int>(index));
-      road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2)});
+      const auto index =
+          static_cast<int>(std::ranges::find(ground, name, &scene::Shape::name) - ground.begin());
+      const ContactShape& shape = model.contact.shape(index);
+      road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2), index});
     }
     tyre.road = road;
     const scene::Joint& joint = scene.mbd->joints[from->joint.value];

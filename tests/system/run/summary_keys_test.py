@@ -88,6 +88,8 @@ class SummaryKeys(Case):
         self.look_at(box, "--end-time", "0.05", "--restart", self.folder / "first", out="second")
         self.look_at(SCENES / "pendulum.json", out="pendulum")
         self.look_at(SCENES / "box_on_floor.json", "--end-time", "0.01", out="contact")
+        wheel = json.loads((SCENES / "rules.json").read_text())["scenes"]["wheel_with_rim"]
+        self.look_at(wheel, "--end-time", "0.01", out="wheel")
         self.look_at(SHIPPED / "stiff" / "undamped_contact.json", "--end-time", "0.01", out="plate")
         os.environ["TANDEM_CACHE"] = str(self.folder / "cache")
         self.addCleanup(os.environ.pop, "TANDEM_CACHE")

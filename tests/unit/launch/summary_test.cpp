@@ -63,7 +63,7 @@ TEST(Summary, StateHashDependsOnBothSolvers) {
 // Checks of a scene may name every number of a solver upon which the coordinator acts.
 TEST(Summary, ChecksKnowTheNumbersOfTheSolvers) {
   scene::Scene scene;
-  scene.mbd.emplace();
+  scene.mbd.emplace().forces.emplace_back(scene::Tyre{});
   scene.dem.emplace().outlets.emplace_back();
   scene.sph.emplace().outlets.emplace_back();
   scene.contact.emplace();

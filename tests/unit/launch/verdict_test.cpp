@@ -33,7 +33,7 @@ scene::Scene toy_scene() {
 // A run without objections; it has the figures of all rules.
 Json good_run() {
   return Json::parse(R"({
-    "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "mbd_locked": 0, "mbd_cavitated_s": 0, "mbd_contact_depth_share": 0, "mbd_periods_per_step": 0, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
+    "windows": 1000, "spheres": 10000, "dof": 3, "mbd_dof_lowest": 3, "mbd_locked": 0, "mbd_cavitated_s": 0, "mbd_contact_depth_share": 0, "mbd_tyre_bottoming_share": 0, "mbd_periods_per_step": 0, "micro_step_s": 1e-5, "critical_time_s": 5e-5,
     "advised_micro_step_s": 2e-6,
     "mbd_largest_energy_balance_J": 0, "mbd_energy_scale_J": 10, "energy_residual": 0, "impulse_closure": 0,
     "impulse_outstanding": 0, "windows_of_too_large_error": 0, "mbd_largest_constraint_violation": 0,
@@ -137,6 +137,11 @@ const std::vector<RuleCase>& rule_cases() {
        0.24,
        0.5,
        {"0.5 of the thinner", "4 times where they hit"}},
+      {"tyre_bottoming",
+       "/mbd_tyre_bottoming_share",
+       0.009,
+       0.3,
+       {"0.3 of the time that the tyre is on it", "smaller than the loaded radius", "mbd.contact.ignore"}},
       {"shortened_steps", "/mbd_shortened_steps", 10, 11, {"0.011 of the steps", "step = 0.00045 s"}},
       {"doubtful_steps", "/mbd_doubtful_steps", 0, 1, {"1 steps", "step = 9e-05 s"}},
       {"position_error", "/mbd_position_error_estimate", 0.0099, 0.04, {"0.04", "step = 0.00045 s"}},

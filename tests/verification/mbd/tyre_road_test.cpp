@@ -249,5 +249,109 @@ TEST(TyreRoad, RefusesAWheelInItsRoadAtTheStart) {
             std::string::npos);
 }
 
+// A wheel with a rim of that radius, on its tyre and pressed down by its weight.
+json wheel_with_rim(double rim, const json& ground, const json& road) {
+  Rig rig;
+  rig.speed = 1;
+  json scene = on(rig.scene(0), ground);
+  scene["mbd"]["forces"][0]["road"] = road;
+  // It comes to rest soon.
+  scene["mbd"]["forces"][0]["damping"] = 2e4;
+  scene["mbd"]["contact"]["materials"][0]["restitution"] = 0.8;
+  if (road.empty()) scene["mbd"]["forces"][0].erase("road");
+  scene["mbd"]["bodies"][2]["shapes"] = {{{"name", "rim"},
+                                          {"use", "contact"},
+                                          {"material", "asphalt"},
+                                          {"shape", {{"type", "sphere"}, {"radius", rim}}}}};
+  scene["mbd"]["contact"]["outputs"] = {{{"name", "of_rim"}, {"on", {"wheel"}}}};
+  return scene;
+}
+json flat_field(const std::string& name) {
+  return field(name, 4, 2, 8, 2, 0, 0, [](double, double) { return 0; });
+}
+
+// A rim that is smaller than its tyre, and larger than the loaded tyre, shares the load as two springs do.
+TEST(TyreBottoming, ARimThatSharesTheLoadIsMarked) {
+  const Rig rig;
+  const double beyond = 2e-3, rim = rig.loaded_radius() + beyond;
+  // Springs of the tyre and of the rim: k_t (R - z) + k_r (rim - z) = W.
+  const double k_r = 1e6, load_of_rim = k_r * rig.tyre.stiffness * beyond / (rig.tyre.stiffness + k_r);
+  for (const auto& [ground, road] :
+       {std::pair{plane("floor"), json::array({"floor"})}, std::pair{plane("floor"), json::array()},
+        std::pair{flat_field("field"), json::array({"field"})},
+        std::pair{flat_field("field"), json::array()}}) {
+    TyreRun run(wheel_with_rim(rim, json::array({ground}), road));
+    run.advance(1);
+    const json facts = run.facts();
+    std::printf(
+        "  %s: %s, %.3f of the time, from %.3f s on\n", road.empty() ? "plane road" : "road of a shape",
+        facts["mbd_tyre_bottoming_of"].get<std::string>().c_str(),
+        facts["mbd_tyre_bottoming_share"].get<double>(), facts["mbd_tyre_bottoming_at_s"].get<double>());
+    expect_share("load on the rim [N]", run["of_rim.normal_force"], load_of_rim, 1e-3);
+    expect_share("load on the tyre [N]", run["tyre.force.z"], rig.load() - load_of_rim, 1e-3);
+    EXPECT_GT(facts["mbd_tyre_bottoming_share"].get<double>(), 0.5);
+    EXPECT_LE(facts["mbd_tyre_bottoming_share"].get<double>(), 1);
+    EXPECT_LT(facts["mbd_tyre_bottoming_at_s"].get<double>(), 0.1);
+    EXPECT_EQ(facts["mbd_tyre_bottoming_of"], "shape \"rim\" of body \"wheel\" and tyre \"tyre\"");
+  }
+}
+
+// The share is that of the time on the road: a tyre that bottoms in the middle of a run.
+TEST(TyreBottoming, CountsTheTimeOfTheTyreOnTheRoad) {
+  const Rig rig;
+  json scene =
+      wheel_with_rim(rig.loaded_radius() - 5e-3, json::array({plane("floor")}), json::array({"floor"}));
+  scene["mbd"]["forces"].push_back(
+      {{"name", "press"},
+       {"type", "force"},
+       {"body", "weight"},
+       {"point", {0, 0, rig.loaded_radius()}},
+       {"direction", {0, 0, -1}},
+       {"size", {{"type", "table"}, {"times", {0, 0.4, 0.45, 0.65, 0.7}}, {"values", {0, 0, 4e3, 4e3, 0}}}}});
+  TyreRun run(scene);
+  double beside = 0;
+  for (int i = 0; i < 1000; ++i) {
+    run.advance(1e-3);
+    beside += 1e-3 * (run["of_rim.normal_force"] > 0 && run["tyre.force.z"] > 0);
+  }
+  const json facts = run.facts();
+  expect_share("share of the time", facts["mbd_tyre_bottoming_share"].get<double>(), beside, 2e-2);
+  EXPECT_GT(beside, 0.1);
+  EXPECT_LT(beside, 0.4);
+  EXPECT_GT(facts["mbd_tyre_bottoming_at_s"].get<double>(), 0.4);
+}
+
+// What touches nothing, or something beside the ground of the tyre, is no bottoming.
+TEST(TyreBottoming, OtherContactsAreNot) {
+  const Rig rig;
+  const double small = rig.loaded_radius() - 2e-3;
+  const json stone{{"name", "stone"},
+                   {"material", "asphalt"},
+                   {"position", {0.12, 0, 0.005}},
+                   {"shape", {{"type", "sphere"}, {"radius", 0.01}}}};
+  const auto end = [](const json& scene, bool touches) {
+    TyreRun run(scene);
+    double force = 0;
+    for (int i = 0; i < 100; ++i) run.advance(1e-3), force = std::max(force, run["of_rim.normal_force"]);
+    const json facts = run.facts();
+    std::printf("  rim bears up to %.4g N; share %g\n", force,
+                facts["mbd_tyre_bottoming_share"].get<double>());
+    EXPECT_EQ(force > 0, touches);
+    EXPECT_EQ(facts["mbd_tyre_bottoming_share"], 0);
+    EXPECT_EQ(facts["mbd_tyre_bottoming_of"], "");
+  };
+  const json floor = plane("floor"), of_floor = json::array({"floor"});
+  end(wheel_with_rim(small, json::array({floor}), of_floor), false);
+  end(wheel_with_rim(small, json::array({floor}), json::array()), false);
+  end(wheel_with_rim(small, json::array({floor, stone}), of_floor), true);
+  end(wheel_with_rim(small, json::array({floor, stone}), json::array()), true);
+  json ignored = wheel_with_rim(rig.loaded_radius() + 2e-3, json::array({floor}), of_floor);
+  ignored["mbd"]["contact"]["ignore"] = json::array({json::array({"wheel", "ground"})});
+  ignored["mbd"]["contact"].erase("outputs");
+  TyreRun run(ignored);
+  run.advance(0.1);
+  EXPECT_EQ(run.facts()["mbd_tyre_bottoming_share"], 0);
+}
+
 }  // namespace
 }  // namespace tandem::mbd::tyres
