@@ -249,12 +249,15 @@ class LiquidEngineOf final : public LiquidEngine {
         memory_, host);
     return host;
   }
+  // Without content. Where particles come in there is room for some more of them.
   void allocate(std::size_t n) {
     count_ = n;
-    Memory::each([&](const char*, auto& array) { exec_.grow(array, std::max(n, setup_.capacity)); }, memory_);
-    exec_.grow(sums_, std::max(n, setup_.capacity));
-    exec_.grow(built_at_, std::max(n, setup_.capacity));
-    exec_.grow(located_, std::max(n, setup_.capacity));
+    constexpr std::size_t few = 1024;
+    const std::size_t room = std::max(n, std::min(setup_.capacity, std::max(n + n / 4, few)));
+    Memory::each([&](const char*, auto& array) { exec_.grow(array, room); }, memory_);
+    exec_.grow(sums_, room);
+    exec_.grow(built_at_, room);
+    exec_.grow(located_, room);
     use_arrays();
   }
 
@@ -351,7 +354,7 @@ class LiquidEngineOf final : public LiquidEngine {
     const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
     quanta_.acceleration = particles::Quantum::for_range(acceleration);
     quanta_.rate = particles::Quantum::for_range(1e4 * c / l.spacing);
-    quanta_.power = particles::Quantum::for_range(many * l.mass() * acceleration * c);
+    quanta_.power = particles::Quantum::for_range(l.mass() * (acceleration + many * c * c / l.spacing) * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
     quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
     pairs_.quanta = rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
