@@ -155,7 +155,22 @@ bool looks_missing(const Opening& opening, const MeshFacts& facts) {
   return one_triangle || (opening.edges <= 6 && opening.extent < 0.05 * facts.diagonal());
 }
 
-void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) {
+// What a surface holds.
+struct Held {
+  std::string what;      // "spheres", "liquid"
+  std::string narrow;    // of holes that it does not pass
+  double narrowest = 0;  // hole that it passes [m]
+  double tight = 0;      // gap of corners that it does not notice [m]
+};
+Held spheres(double diameter) {
+  return {"spheres", fmt::format("too narrow for the smallest sphere, of {:.3g} m", diameter), diameter, 0};
+}
+Held liquid(double spacing) {
+  return {"liquid", fmt::format("less than a spacing of the liquid, of {:.3g} m", spacing), spacing,
+          1e-4 * spacing};
+}
+
+void review_surface(const ImportedMesh& mesh, const Held& held, SceneFile& file) {
   const MeshFacts& facts = mesh.facts;
   const auto missing = [&](const Opening& opening) { return looks_missing(opening, facts); };
   const auto holes = std::count_if(facts.openings.begin(), facts.openings.end(), missing);
@@ -167,12 +182,11 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
         "the shape",
         mesh.wall, holes == 1 ? "a hole" : fmt::format("{} holes", holes), mesh.file,
         holes == 1 ? "it" : "the widest", widest.width, place_text(widest.at));
-    if (widest.width < diameter)
-      file.notes.push_back(
-          fmt::format("{}: too narrow for the smallest sphere, of {:.3g} m", what, diameter));
+    if (widest.width < held.narrowest)
+      file.notes.push_back(what + ": " + held.narrow);
     else
-      file.warnings.push_back(what +
-                              ": spheres can pass through; close it in the program that made the mesh");
+      file.warnings.push_back(what + ": " + held.what +
+                              " can pass through; close it in the program that made the mesh");
   }
   if (const auto open = static_cast<std::ptrdiff_t>(facts.openings.size()) - holes; open > 0) {
     const Opening& widest = *std::find_if_not(facts.openings.begin(), facts.openings.end(), missing);
@@ -186,7 +200,7 @@ void review_surface(const ImportedMesh& mesh, double diameter, SceneFile& file) 
   // The solver joins corners within 2.5e-7 of the largest coordinate.
   double reach = 0;
   for (int k = 0; k < 3; ++k) reach = std::max({reach, std::abs(facts.min[k]), std::abs(facts.max[k])});
-  if (facts.widest_gap > 2.5e-7 * reach)
+  if (facts.widest_gap > std::max(2.5e-7 * reach, held.tight))
     file.notes.push_back(fmt::format(
         "{} edges of wall \"{}\" nearly meet others, with corners up to {:.2g} m apart, at {} in "
         "the frame of the "
@@ -302,9 +316,12 @@ void review_geometry(SceneFile& file) {
   if (file.scene.dem) {
     const Radii radii = radii_of(*file.scene.dem);
     for (const ImportedMesh& mesh : file.mesh_facts) {
-      review_surface(mesh, std::isfinite(radii.smallest) ? 2 * radii.smallest : 0, file);
+      review_surface(mesh, spheres(std::isfinite(radii.smallest) ? 2 * radii.smallest : 0), file);
       review_fineness(mesh, radii.largest, file.warnings);
     }
+  } else if (file.scene.sph) {
+    for (const ImportedMesh& mesh : file.mesh_facts)
+      review_surface(mesh, liquid(file.scene.sph->spacing), file);
   }
   review_contact(file.scene, file.notes);
 }

@@ -11,7 +11,7 @@ namespace tandem::sph {
 template <class Exec>
 class DeviceWalls {
  public:
-  DeviceWalls(Exec& exec, const Walls& walls) : bodies_(walls.bodies()) {
+  DeviceWalls(Exec& exec, const Walls& walls) : bodies_(walls.bodies()), margin_(walls.margin()) {
     upload(exec, walls.facets(), facet_);
     upload(exec, walls.grids(), grid_);
     upload(exec, walls.cell_start(), cell_start_);
@@ -23,8 +23,9 @@ class DeviceWalls {
   void place(Exec& exec, const std::vector<particles::BodyPose>& poses) { upload(exec, poses, pose_); }
 
   WallsView view() const {
-    return {facet_.data(), grid_.data(), cell_start_.data(), cell_facet_.data(),
-            pose_.data(),  slip_.data(), beyond_.data(),     bodies_};
+    return {facet_.data(),      grid_.data(), cell_start_.data(),
+            cell_facet_.data(), pose_.data(), slip_.data(),
+            beyond_.data(),     bodies_,      margin_};
   }
 
  private:
@@ -41,6 +42,7 @@ class DeviceWalls {
   Buffer<std::uint8_t> slip_, beyond_;
   Buffer<particles::BodyPose> pose_;
   std::uint32_t bodies_ = 0;
+  double margin_ = 0;
 };
 
 }  // namespace tandem::sph

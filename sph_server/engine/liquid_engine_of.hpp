@@ -249,12 +249,15 @@ class LiquidEngineOf final : public LiquidEngine {
         memory_, host);
     return host;
   }
+  // Without content. Where particles come in there is room for some more of them.
   void allocate(std::size_t n) {
     count_ = n;
-    Memory::each([&](const char*, auto& array) { exec_.grow(array, std::max(n, setup_.capacity)); }, memory_);
-    exec_.grow(sums_, std::max(n, setup_.capacity));
-    exec_.grow(built_at_, std::max(n, setup_.capacity));
-    exec_.grow(located_, std::max(n, setup_.capacity));
+    constexpr std::size_t few = 1024;
+    const std::size_t room = std::max(n, std::min(setup_.capacity, std::max(n + n / 4, few)));
+    Memory::each([&](const char*, auto& array) { exec_.grow(array, room); }, memory_);
+    exec_.grow(sums_, room);
+    exec_.grow(built_at_, room);
+    exec_.grow(located_, room);
     use_arrays();
   }
 
@@ -351,7 +354,7 @@ class LiquidEngineOf final : public LiquidEngine {
     const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
     quanta_.acceleration = particles::Quantum::for_range(acceleration);
     quanta_.rate = particles::Quantum::for_range(1e4 * c / l.spacing);
-    quanta_.power = particles::Quantum::for_range(many * l.mass() * acceleration * c);
+    quanta_.power = particles::Quantum::for_range(l.mass() * (acceleration + many * c * c / l.spacing) * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
     quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
     pairs_.quanta = rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
@@ -416,6 +419,28 @@ class LiquidEngineOf final : public LiquidEngine {
                 "liquid", "enlarge the domain, or take a smaller step");
   }
 
+  // Names the first particle with too many facets near it, or with facets in too many parts.
+  [[noreturn]] void refuse_crowded() const {
+    const Host host = download();
+    const double R = setup_.liquid.support();
+    std::string where = "a particle", why = "hide each other in very many parts";
+    NearWalls near;
+    for (std::uint32_t i = 0; i < count(); ++i) {
+      const Vec3d x = centres_.metres(centres_.joined(host.position[i], fine_of(host, i)));
+      walls_.find(x, R, near);
+      bool crowded = near.overflow;
+      for (int k = 0; k < near.count && !crowded; ++k) seen_integrals(x, near, k, see_.kernel, crowded);
+      if (!crowded) continue;
+      where = "the particle at " + scene::rounded(x) + " m";
+      if (near.overflow) why = "are more than " + std::to_string(NearWalls::most);
+      break;
+    }
+    throw Error(
+        ErrorCode::scene, "the triangles within " + scene::rounded(R) + " m of " + where + " " + why, "walls",
+        "give the walls there fewer and larger triangles, as a round one by fewer 'segments', or take "
+        "a smaller spacing of the liquid");
+  }
+
   void sum_rates() {
     exec_.sum_over_lanes(count(), pairs_);
     if (walls_.bodies() > 0) exec_.for_each(count(), place_);
@@ -427,12 +452,7 @@ class LiquidEngineOf final : public LiquidEngine {
       sum.add(exec_.template reduce<Tally>(facets_.total, edges_, at_edges));
       for (std::size_t b = 0; b < at_edges.size(); ++b) body_sums_[b].add(at_edges[b]);
     }
-    if (sum.crowded_by_facets > 0)
-      throw Error(ErrorCode::scene,
-                  "more than " + std::to_string(NearWalls::most) + " facets within " +
-                      scene::rounded(setup_.liquid.support()) +
-                      " m of a particle, or facets that hide each other in very many parts",
-                  "walls", "give a mesh with larger triangles, or a smaller spacing of the liquid");
+    if (sum.crowded_by_facets > 0) refuse_crowded();
     for (int p = 0; p < powers; ++p) power_[p] = particles::from_fixed(sum.power[p], quanta_.power);
     figures_.largest_speed = std::sqrt(sum.largest_speed2);
     figures_.largest_acceleration = std::sqrt(sum.largest_acceleration2);

@@ -35,7 +35,8 @@ bool Probe::sees(const std::vector<particles::Facet>& near, Vec3d x, Vec3d y) co
   if (r == 0) return true;
   const double share = std::min(0.5, in_front * liquid_.spacing / r);
   const Vec3d from = x + share * (y - x);
-  return std::ranges::none_of(near, [&](const particles::Facet& facet) { return crosses(facet, from, y); });
+  return std::ranges::none_of(
+      near, [&](const particles::Facet& facet) { return crosses(facet, from, y, walls_.margin()); });
 }
 
 double Probe::pressure_at(Vec3d x) const {

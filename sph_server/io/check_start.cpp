@@ -58,7 +58,7 @@ void expect_clear(const char* what, const std::vector<BodyWalls>& surfaces,
           const Vec3d here = sites.position[site];
           Vec3d next = here;
           next[a] += lattice.step[a];
-          if (crosses(facet, here, next))
+          if (crosses(facet, here, next, edge_margin * spacing))
             throw Error(ErrorCode::scene,
                         fmt::format("{} '{}' passes through the box, between {} m and {} m", what, name,
                                     scene::rounded(here), scene::rounded(next)),
@@ -115,7 +115,7 @@ void expect_apart(const std::vector<Inlet>& inlets, double spacing) {
 // Behind an inlet its piston would push the liquid away, and jump back through it.
 void expect_one_side(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>& walls,
                      std::span<const particles::BodyPose> poses, const std::vector<FilledInside>& insides,
-                     Vec3d up) {
+                     double spacing, Vec3d up) {
   for (std::size_t k = 0; k < inlets.size(); ++k)
     for (const Vec3d& site : inlets[k].site) {
       const Vec3d x = inlets[k].of.pose.p_WB + inlets[k].of.pose.q_WB.rotate(site),
@@ -126,7 +126,7 @@ void expect_one_side(const std::vector<Inlet>& inlets, const std::vector<BodyWal
       if (!is_liquid(x + ahead) || !is_liquid(x - ahead)) continue;
       bool separate = false;
       each_facet(walls, poses, [&](const particles::Facet& facet, const std::string&) {
-        separate = separate || crosses(facet, x - ahead, x + ahead);
+        separate = separate || crosses(facet, x - ahead, x + ahead, edge_margin * spacing);
       });
       if (!separate)
         throw Error(
@@ -157,7 +157,7 @@ void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>
                   std::span<const particles::BodyPose> poses, double spacing,
                   const std::vector<FilledInside>& insides, Vec3d up) {
   expect_apart(inlets, spacing);
-  expect_one_side(inlets, walls, poses, insides, up);
+  expect_one_side(inlets, walls, poses, insides, spacing, up);
   for (std::size_t k = 0; k < inlets.size(); ++k) {
     const Inlet& inlet = inlets[k];
     const Vec3d ahead{0, 0, 0.5 * inlet.thickness};
@@ -167,7 +167,7 @@ void check_inlets(const std::vector<Inlet>& inlets, const std::vector<BodyWalls>
       for (const Vec3d& site : inlet.site) {
         const double distance = norm(site), most = distance - nearest_wall * spacing;
         if (!(most > 0)) continue;
-        if (crosses(facet, middle, in_world(most / distance * site + ahead)))
+        if (crosses(facet, middle, in_world(most / distance * site + ahead), edge_margin * spacing))
           throw Error(ErrorCode::scene,
                       fmt::format("wall '{}' passes through the inlet '{}': it is between the middle of the "
                                   "inlet and the particle that comes in at {} m",

@@ -25,7 +25,8 @@ std::uint8_t sides_reached(const particles::Facet& f, const particles::Facet& ot
 
 }  // namespace
 
-Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::vector<bool>& slip) {
+Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::vector<bool>& slip)
+    : margin_(edge_margin * reach) {
   cell_start_.push_back(0);
   for (std::size_t body = 0; body < meshes.size(); ++body) {
     const TriangleMesh& mesh = meshes[body];
@@ -57,8 +58,9 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::v
 }
 
 WallsView Walls::view() const {
-  return {facets_.data(), grids_.data(), cell_start_.data(), cell_facet_.data(),
-          poses_.data(),  slip_.data(),  beyond_.data(),     bodies()};
+  return {facets_.data(),     grids_.data(), cell_start_.data(),
+          cell_facet_.data(), poses_.data(), slip_.data(),
+          beyond_.data(),     bodies(),      margin_};
 }
 
 double Walls::moved_from(const std::vector<particles::BodyPose>& poses_then) const {

@@ -30,6 +30,7 @@ class Walls {
   double moved_from(const std::vector<particles::BodyPose>& poses_then) const;
 
   const std::vector<particles::Facet>& facets() const { return facets_; }
+  double margin() const { return margin_; }  // see crosses() [m]
   // The arrays of WallsView.
   const std::vector<particles::FacetGrid>& grids() const { return grids_; }
   const std::vector<std::uint32_t>& cell_start() const { return cell_start_; }
@@ -44,7 +45,8 @@ class Walls {
   std::vector<std::uint32_t> cell_facet_;
   std::vector<particles::BodyPose> poses_;
   std::vector<std::uint8_t> slip_, beyond_;  // see WallsView
-  std::vector<double> extent_;               // largest distance of a vertex from the origin of its body [m]
+  double margin_ = 0;
+  std::vector<double> extent_;  // largest distance of a vertex from the origin of its body [m]
 };
 
 }  // namespace tandem::sph

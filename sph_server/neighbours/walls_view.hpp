@@ -38,14 +38,19 @@ TANDEM_HD inline bool is_far(const particles::Facet& f, Vec3d x, double radius) 
   return false;
 }
 
-// Does the segment from x to y cross the triangle? Its edges belong to it, so that a closed mesh is tight.
-TANDEM_HD inline bool crosses(const particles::Facet& f, Vec3d x, Vec3d y) {
+// A line is stopped by a facet also this much beyond its edges [reach of the walls]. So facets that nearly
+// join are tight, and for particles of a lattice beside an edge the answer does not depend on rounding.
+inline constexpr double edge_margin = 3e-5;
+
+// Does the segment from x to y cross the triangle, or its plane less than `margin` [m] beyond an edge?
+TANDEM_HD inline bool crosses(const particles::Facet& f, Vec3d x, Vec3d y, double margin) {
   const double from = dot(x - f.a, f.normal), to = dot(y - f.a, f.normal);
   if ((from > 0 && to > 0) || (from < 0 && to < 0) || from == to) return false;
   const Vec3d at = x + (from / (from - to)) * (y - x), corner[3] = {f.a, f.b, f.c};
   for (int k = 0; k < 3; ++k) {
     const Vec3d edge = corner[k < 2 ? k + 1 : 0] - corner[k];
-    if (dot(at - corner[k], cross(f.normal, edge)) < -1e-12 * norm2(edge)) return false;
+    const double inside = dot(at - corner[k], cross(f.normal, edge));  // times the length of the edge
+    if (inside < 0 && inside * inside > margin * margin * norm2(edge)) return false;
   }
   return true;
 }
@@ -59,6 +64,7 @@ struct WallsView {
   const std::uint8_t* slip = nullptr;         // 1: of a body without friction (bodies)
   const std::uint8_t* beyond = nullptr;       // see NearFacet (facets)
   std::uint32_t bodies = 0;
+  double margin = 0;  // of crosses() [m]
 
   TANDEM_HD Vec3d into_body(std::uint32_t body, Vec3d x) const {
     return pose[body].R.transpose_times(x - pose[body].p);
@@ -97,7 +103,7 @@ struct WallsView {
       const Vec3d from = into_body(body, x), to = into_body(body, y);
       const particles::NearFacets listed = near(body, from);
       for (int k = 0; k < listed.count; ++k)
-        if (crosses(facet[listed[k]], from, to)) return true;
+        if (crosses(facet[listed[k]], from, to, margin)) return true;
     }
     return false;
   }
@@ -105,7 +111,7 @@ struct WallsView {
   TANDEM_HD bool between(std::uint32_t number, Vec3d x, Vec3d y) const {
     put_in_order(x, y);
     const particles::Facet& f = facet[number];
-    return crosses(f, into_body(f.body, x), into_body(f.body, y));
+    return crosses(f, into_body(f.body, x), into_body(f.body, y), margin);
   }
   // Did a point that moved from `then` to `now` pass a facet, while the bodies moved from these poses to
   // theirs?
@@ -113,7 +119,7 @@ struct WallsView {
                         Vec3d now) const {
     const particles::Facet& f = facet[number];
     const particles::BodyPose& at = poses_then[f.body];
-    return crosses(f, at.R.transpose_times(then - at.p), into_body(f.body, now));
+    return crosses(f, at.R.transpose_times(then - at.p), into_body(f.body, now), margin);
   }
 
  private:

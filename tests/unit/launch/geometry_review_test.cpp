@@ -162,6 +162,23 @@ TEST(GeometryReview, AMissingTriangleIsAWarningWhereSpheresPassThrough) {
   EXPECT_THAT(file.notes, ElementsAre(HasSubstr("too narrow for the smallest sphere, of 0.02 m")));
 }
 
+TEST(GeometryReview, AMissingTriangleIsAWarningWhereLiquidPassesThrough) {
+  TriangleMesh mesh = box_mesh({0.3, 0.4, 0.5});
+  mesh.triangles.pop_back();
+  SceneFile file = with_mesh(mesh);
+  file.scene.sph.emplace();
+  file.scene.sph->spacing = 0.1;
+  file.scene.sph->domain = file.scene.dem->domain;
+  file.scene.sph->walls = file.scene.dem->walls;
+  file.scene.dem.reset();
+  EXPECT_THAT(reviewed(file).warnings,
+              ElementsAre(HasSubstr("in the frame of the shape: liquid can pass through; close it")));
+  file.scene.sph->spacing = 0.3;
+  const SceneFile coarse = reviewed(file);
+  EXPECT_THAT(coarse.warnings, IsEmpty());
+  EXPECT_THAT(coarse.notes, ElementsAre(HasSubstr("less than a spacing of the liquid, of 0.3 m")));
+}
+
 TEST(GeometryReview, AnOpenTopIsANote) {
   const SceneFile file = reviewed(with_mesh(cylinder_mesh(0.2, 0.5, 32, {"+z"})));
   EXPECT_THAT(file.warnings, IsEmpty());

@@ -33,6 +33,18 @@ TEST(Walls, AreBetweenPointsOnBothSides) {
   EXPECT_TRUE(walls.between({-0.1, 0, 0.5}, {0.1, 0, 0.5}));
 }
 
+// Meshes of one surface in several patches have slots of rounding size between their facets.
+TEST(Walls, AreTightWhereFacetsNearlyJoin) {
+  const double reach = 0.03, slot = 5e-7;
+  TriangleMesh m;
+  m.vertices = {{0, -1, 0}, {0, 1, 0}, {0, 1, 1}, {0, -1, -slot}, {0, 0.3, -slot}, {0, 0, -1}};
+  m.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const Walls walls({m}, reach);
+  EXPECT_TRUE(walls.between({-0.01, 0.2, -0.4 * slot}, {0.01, 0.2, -0.4 * slot}));
+  EXPECT_TRUE(walls.between({-0.01, 0.5, -0.4 * slot}, {0.01, 0.5, -0.4 * slot})) << "beside a free edge";
+  EXPECT_FALSE(walls.between({-0.01, 0.5, -1.1e-4 * reach}, {0.01, 0.5, -1.1e-4 * reach}));
+}
+
 TEST(Walls, AreFoundWhereTheirBodyIs) {
   Walls walls({sheet()}, 0.5);
   NearWalls near;
