@@ -9,6 +9,9 @@
 
 namespace tandem::sph {
 
+// Facets continue each other in one plane where the sine of the angle between them is below this.
+inline constexpr double least_sine = 0.1;
+
 struct Triangle {
   Vec3d corner[3];  // [m]
   Vec3d normal;     // unit, along (corner[1] - corner[0]) x (corner[2] - corner[0])
@@ -50,7 +53,7 @@ TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x
                                    double tolerance, Vec3d* strip) {
   const Vec3d across = cross(f.normal, g.normal);
   const double sine = norm(across);
-  if (sine < 0.1) return false;
+  if (sine < least_sine) return false;
   if (!reaches_to_side_of(f, g, x, 1e-3 * width) || !reaches_to_side_of(g, f, x, 1e-3 * width)) return false;
   const Vec3d along = (1 / sine) * across;
   // The point of both planes that is nearest to x.
@@ -70,6 +73,45 @@ TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x
   strip[2] = strip[1] + width * beyond;
   strip[3] = strip[0] + width * beyond;
   return true;
+}
+
+// The same for facets that continue each other in one plane, along an edge that they have in common: the
+// strip of the plane through that edge and across them, behind them as seen from x. outward: in their plane,
+// from f to g. False where they do not join within `tolerance` [m].
+TANDEM_HD inline bool strip_between(const Triangle& f, const Triangle& g, Vec3d x, double width,
+                                    double tolerance, Vec3d* strip, Vec3d& outward) {
+  if (norm(cross(f.normal, g.normal)) >= least_sine) return false;
+  const Vec3d behind = dot(x - f.corner[0], f.normal) < 0 ? f.normal : -f.normal;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d a = f.corner[k], edge = f.corner[k < 2 ? k + 1 : 0] - a;
+    const double length = norm(edge);
+    const Vec3d along = (1 / length) * edge, out = cross(along, f.normal);
+    // The corners of g on the edge, and none inside of it.
+    double begin = length, end = 0;
+    int on_edge = 0;
+    bool outside = true;
+    for (const Vec3d& corner : g.corner) {
+      const double off = dot(corner - a, out), above = dot(corner - a, f.normal);
+      outside = outside && off > -tolerance;
+      if (std::fabs(off) > tolerance || std::fabs(above) > tolerance) continue;
+      begin = std::fmin(begin, dot(corner - a, along));
+      end = std::fmax(end, dot(corner - a, along));
+      ++on_edge;
+    }
+    if (on_edge != 2 || !outside) continue;
+    const double nearest = dot(x - a, along);
+    begin = std::fmax(begin, std::fmax(0.0, nearest - width));
+    end = std::fmin(end, std::fmin(length, nearest + width));
+    if (!(begin < end)) continue;
+    outward = out;
+    const bool counter_clockwise = dot(cross(along, behind), out) > 0;
+    strip[0] = a + (counter_clockwise ? begin : end) * along;
+    strip[1] = a + (counter_clockwise ? end : begin) * along;
+    strip[2] = strip[1] + width * behind;
+    strip[3] = strip[0] + width * behind;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace tandem::sph

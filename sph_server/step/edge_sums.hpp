@@ -50,20 +50,29 @@ struct SumEdges {
     return std::fabs(arrays.seen[entry].integrals.surface) * kernel.R > sliver;
   }
 
+  // Acceleration of particle i by ghost liquid that ends at the strip.
+  TANDEM_HD double push(std::uint32_t i, Vec3d x, const Vec3d* strip, Vec3d normal) const {
+    const FacetIntegrals integrals = facet_integrals(x, strip, 4, normal, kernel);
+    return static_cast<double>(liquid.state[i].volume) * wall.inverse_mass *
+           (2 * static_cast<double>(liquid.state[i].pressure) * integrals.surface -
+            wall.density * dot(arrays.by_pressure[i], integrals.moment));
+  }
+
   template <class Bodies>
   TANDEM_HD void add(std::uint32_t i, const NearFacet& f, const NearFacet& g, Tally& tally,
                      Bodies& bodies) const {
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    Vec3d strip[4];
-    if (!strip_beyond({{f.a, f.b, f.c}, f.normal}, {{g.a, g.b, g.c}, g.normal}, x, 2 * kernel.R,
-                      edge_gap * spacing, strip))
+    const Triangle of_f{{f.a, f.b, f.c}, f.normal}, of_g{{g.a, g.b, g.c}, g.normal};
+    Vec3d strip[4], outward;
+    Vec3d force;
+    if (strip_beyond(of_f, of_g, x, 2 * kernel.R, edge_gap * spacing, strip))
+      force = push(i, x, strip, f.normal) * (dot(x - f.a, f.normal) < 0 ? f.normal : -f.normal);
+    else if (strip_between(of_f, of_g, x, 2 * kernel.R, edge_gap * spacing, strip, outward))
+      // Half of it, since the particles on both sides press, and the half of that again for g and f.
+      force = -0.25 * push(i, x, strip, outward) * outward;
+    else
       return;
-    const FacetIntegrals integrals = facet_integrals(x, strip, 4, f.normal, kernel);
-    const double push = static_cast<double>(liquid.state[i].volume) * wall.inverse_mass *
-                        (2 * static_cast<double>(liquid.state[i].pressure) * integrals.surface -
-                         wall.density * dot(arrays.by_pressure[i], integrals.moment));
-    const Vec3d towards = dot(x - f.a, f.normal) < 0 ? -f.normal : f.normal,
-                force = particles::rounded(-push * towards, quanta.acceleration);
+    force = particles::rounded(force, quanta.acceleration);
     const particles::BodyPose &pose_f = walls.pose[f.body], &pose_g = walls.pose[g.body];
     const Vec3d arm_f = x - pose_f.p, arm_g = x - pose_g.p;
     bodies.add(f.body, force, mass * cross(arm_f, force), quanta);

@@ -267,6 +267,25 @@ TEST(CommonEdge, ContinuesTheFloorBehindTheSheet) {
       << "the sheet continues below the floor once";
 }
 
+// Two triangles of one plane that join along a part of an edge.
+TEST(CommonEdge, IsFoundWhereFacetsContinueEachOther) {
+  const Triangle left{{{0, -2, 0}, {0, 2, 0}, {-3, 0, 0}}, {0, 0, 1}},
+      right{{{0, 1, 0}, {0, -1, 0}, {3, 0, 0}}, {0, 0, 1}},
+      apart{{{0.2, 1, 0}, {0.2, -1, 0}, {3, 0, 0}}, {0, 0, 1}},
+      on_top{{{0, 1, 0}, {0, -1, 0}, {-2, 0, 0}}, {0, 0, 1}};
+  const Vec3d x{-0.1, 0, 0.1};
+  Vec3d strip[4], outward;
+  ASSERT_TRUE(strip_between(left, right, x, 5, 0.01, strip, outward));
+  EXPECT_NEAR(norm(outward - Vec3d{1, 0, 0}), 0, 1e-15);
+  for (const Vec3d corner : strip) {
+    EXPECT_NEAR(corner.x, 0, 1e-15);
+    EXPECT_NEAR(std::fabs(corner.y), 1, 1e-15);
+    EXPECT_LE(corner.z, 0) << "behind the facets";
+  }
+  EXPECT_FALSE(strip_between(left, apart, x, 5, 0.01, strip, outward));
+  EXPECT_FALSE(strip_between(left, on_top, x, 5, 0.01, strip, outward));
+}
+
 // The integral over the shadow of (y - x) (y - x)^T times -(dW/dr)/r is symmetric and has positive
 // eigenvalues; by the divergence theorem it is B I - n Y^T - D. Here a triangle with three free edges.
 TEST(FacetIntegrals, WithTheSidesOfTheShadowAreThoseOfASymmetricTensor) {
