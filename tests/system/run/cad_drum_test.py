@@ -87,7 +87,7 @@ class CadDrum(Case):
     def judge(self, fills, expected):
         """expected: flow with 12 spacings across a hole (docs/experiments/2026-11-sph-rims.md) [kg/s]."""
         print(f"\n  a drum with holes {'fills' if fills else 'empties'}")
-        for across, tolerance in ((2, 0.25), (3, 0.12), (4, 0.05)):
+        for across, tolerance in ((2, 0.25), (3, 0.12), (4, 0.08)):
             flow = self.flow(across, fills)
             print(f"    {across} spacings: flow / that with 12: expected 1 measured {flow / expected:.3f} tolerance {tolerance}")
             self.assertLess(abs(flow / expected - 1), tolerance)
