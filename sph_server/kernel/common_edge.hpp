@@ -45,9 +45,21 @@ TANDEM_HD inline bool reaches_to_side_of(const Triangle& t, const Triangle& othe
   return false;
 }
 
+// Least height of the triangle [m].
+TANDEM_HD inline double least_height(const Triangle& t) {
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) longest = std::fmax(longest, norm(t.corner[k < 2 ? k + 1 : 0] - t.corner[k]));
+  return norm(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0])) / longest;
+}
+
+// Up to which distance two facets join: of narrow ones only those beside the edge do.
+TANDEM_HD inline double joint_gap(const Triangle& f, const Triangle& g, double tolerance) {
+  return std::fmin(tolerance, 0.25 * std::fmin(least_height(f), least_height(g)));
+}
+
 // The strip of the plane of `f` that continues beyond `g`, seen from x, along the line where both facets are:
 // four corners, counter-clockwise about the normal of `f`. False where they do not meet within
-// `tolerance` [m], where one of them ends at the other on the far side from x, or where they are nearly
+// joint_gap(), where one of them ends at the other on the far side from x, or where they are nearly
 // parallel. width: of the strip [m].
 TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x, double width,
                                    double tolerance, Vec3d* strip) {
@@ -62,8 +74,9 @@ TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x
   const Vec3d origin =
       x + ((to_f - cosine * to_g) * inverse) * f.normal + ((to_g - cosine * to_f) * inverse) * g.normal;
   double begin = -width, end = width;
-  limit_to(g, origin, along, tolerance, begin, end);
-  limit_to(f, origin, along, tolerance, begin, end);
+  const double apart = joint_gap(f, g, tolerance);
+  limit_to(g, origin, along, apart, begin, end);
+  limit_to(f, origin, along, apart, begin, end);
   if (!(begin < end)) return false;
   Vec3d beyond = cross(along, f.normal);
   if (dot(beyond, g.normal) * to_g < 0) beyond = -beyond;
@@ -77,10 +90,11 @@ TANDEM_HD inline bool strip_beyond(const Triangle& f, const Triangle& g, Vec3d x
 
 // The same for facets that continue each other in one plane, along an edge that they have in common: the
 // strip of the plane through that edge and across them, behind them as seen from x. outward: in their plane,
-// from f to g. False where they do not join within `tolerance` [m].
+// from f to g. False where they do not join within joint_gap().
 TANDEM_HD inline bool strip_between(const Triangle& f, const Triangle& g, Vec3d x, double width,
                                     double tolerance, Vec3d* strip, Vec3d& outward) {
   if (norm(cross(f.normal, g.normal)) >= least_sine) return false;
+  const double apart = joint_gap(f, g, tolerance);
   const Vec3d behind = dot(x - f.corner[0], f.normal) < 0 ? f.normal : -f.normal;
   for (int k = 0; k < 3; ++k) {
     const Vec3d a = f.corner[k], edge = f.corner[k < 2 ? k + 1 : 0] - a;
@@ -92,8 +106,8 @@ TANDEM_HD inline bool strip_between(const Triangle& f, const Triangle& g, Vec3d 
     bool outside = true;
     for (const Vec3d& corner : g.corner) {
       const double off = dot(corner - a, out), above = dot(corner - a, f.normal);
-      outside = outside && off > -tolerance;
-      if (std::fabs(off) > tolerance || std::fabs(above) > tolerance) continue;
+      outside = outside && off > -apart;
+      if (std::fabs(off) > apart || std::fabs(above) > apart) continue;
       begin = std::fmin(begin, dot(corner - a, along));
       end = std::fmax(end, dot(corner - a, along));
       ++on_edge;

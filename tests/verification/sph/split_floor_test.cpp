@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 #include "sph_server/equations/hydrostatic.hpp"
@@ -14,14 +15,22 @@ namespace split_floor_test {
 
 using namespace sph;
 
-TriangleMesh rectangle(double low, double high) {
+// Of `across` x `along` pairs of triangles.
+TriangleMesh rectangle(double low, double high, int across, int along) {
   TriangleMesh m;
-  m.vertices = {{low, -2, 0}, {high, -2, 0}, {high, 3, 0}, {low, 3, 0}};
-  m.triangles = {{0, 1, 2}, {0, 2, 3}};
+  for (int k = 0; k < across * along; ++k) {
+    const double dx = (high - low) / across, dy = 5.0 / along, x = low + dx * (k % across),
+                 y = -2 + dy * (k / across);
+    const auto first = static_cast<std::uint32_t>(m.vertices.size());
+    m.vertices.insert(m.vertices.end(), {{x, y, 0}, {x + dx, y, 0}, {x + dx, y + dy, 0}, {x, y + dy, 0}});
+    m.triangles.push_back({first, first + 1, first + 2});
+    m.triangles.push_back({first, first + 2, first + 3});
+  }
   return m;
 }
 
-TEST(SplitFloor, PushesItsHalvesNeitherTogetherNorApart) {
+// Loads on the halves at the start.
+void push(int across, int along) {
   constexpr int wide = 10, high = 8;
   constexpr double a = 0.1, width = wide * a, g = 9.81;
   LiquidSetup setup;
@@ -36,7 +45,8 @@ TEST(SplitFloor, PushesItsHalvesNeitherTogetherNorApart) {
     sides.triangles.push_back({first, first + 1, first + 2});
     sides.triangles.push_back({first, first + 2, first + 3});
   }
-  setup.walls = {sides, rectangle(0, 0.5 * width), rectangle(0.5 * width, width)};
+  setup.walls = {sides, rectangle(0, 0.5 * width, across, along),
+                 rectangle(0.5 * width, width, across, along)};
   setup.slip = {true, true, true};
   setup.domain = {{-1, 0, -1}, {2, width, 3}};
   setup.periods.min = setup.domain.min;
@@ -51,11 +61,18 @@ TEST(SplitFloor, PushesItsHalvesNeitherTogetherNorApart) {
   const auto engine = make_engine(setup, true);
   engine->set_state(start);
   const auto loads = engine->loads();
+  std::printf("halves of %d triangles\n", 2 * across * along);
   const double half = 0.5 * static_cast<double>(start.size()) * l.mass() * g;
   for (const std::size_t floor : {1u, 2u}) {
     expect_figure("load across the plane / half the weight", -1, loads[floor].force.z / half, 0.02);
     expect_figure("load along the plane / half the weight", 0, loads[floor].force.x / half, 0.005);
   }
+}
+
+TEST(SplitFloor, PushesItsHalvesNeitherTogetherNorApart) {
+  push(1, 1);
+  push(7, 7);
+  push(25, 16);  // a fifth of a spacing across the edge
 }
 
 }  // namespace split_floor_test
