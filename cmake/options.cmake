@@ -4,6 +4,7 @@ set(TANDEM_DDS AUTO CACHE STRING "Cyclone DDS channel: AUTO, ON or OFF")
 set(TANDEM_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 option(TANDEM_ASSERTIONS "Keep assert() in optimised builds" OFF)
 option(TANDEM_TESTS "Build the tests" ON)
+option(TANDEM_PRECOMPILE "Precompile the headers that most sources include" OFF)
 
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
@@ -23,5 +24,7 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # ccache looks into precompiled headers, and takes an object for any clone of the same sources.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+                                  CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE})
 endif()

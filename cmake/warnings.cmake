@@ -1,5 +1,9 @@
-# tandem_target(TARGET): what every target of ours gets.
+# tandem_target(TARGET [NO_PRECOMPILE]): what every target of ours gets.
 function(tandem_target target)
+  cmake_parse_arguments(ARG "NO_PRECOMPILE" "" "" ${ARGN})
+  if(TANDEM_PRECOMPILE AND NOT ARG_NO_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM ${TANDEM_PRECOMPILED})
+  endif()
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
   # -Wrestrict: GCC 12 raises it falsely on std::string concatenation (GCC bug 105651).
   set(flags -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-restrict -Werror
@@ -20,20 +24,18 @@ function(tandem_target target)
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${flags}>)
 endfunction()
 
-# For targets with kernels that must give the bits of the CPU.
-function(tandem_kernels target)
-  # Without fused multiply-add the two forces of a pair cancel exactly as well.
-  target_compile_options(${target} PRIVATE
-    $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false --expt-relaxed-constexpr -Werror=all-warnings>)
-  # This reduces the size to a fifth. Every driver that runs code of CUDA 13 can decompress it.
-  if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:--compress-mode=size>)
-  endif()
-endfunction()
-
 # Also checks the alignment of every access, in builds with the undefined-behaviour sanitizer.
 function(tandem_check_alignment target)
   if(TANDEM_SANITIZE MATCHES undefined)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fsanitize=alignment>)
+  endif()
+endfunction()
+
+# tandem_computes(TARGET): most of the time of a run is spent in TARGET. The preset dev optimises the rest less, to be built sooner.
+function(tandem_computes target)
+  if(CMAKE_BUILD_TYPE STREQUAL "RelWithDebInfo" AND NOT TANDEM_SANITIZE)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O2>)
+    # GCC 12 crashes where a precompiled header was made at another level.
+    set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
   endif()
 endfunction()

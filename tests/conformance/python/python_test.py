@@ -256,10 +256,18 @@ class Helpers(unittest.TestCase):
 
 class Templates(Case):
     def test_free_bodies_move_as_ours(self):
-        scene, *foreign = self.project("mbd")
+        path, *foreign = self.project("mbd")
+        scene = json.loads(path.read_text())
+        # A fifth of the template's time; the spheres rebound at once.
+        scene["end_time"] = t = 0.06
+        for check, expected in zip(scene["checks"], (t - 9.81 * t**2 / 2, -3.0610873110 + 9.81 * (0.3 - t))):
+            if not check.get("absolute"):  # window and step leave as many m/s as after the whole time
+                check.update(tolerance=check["tolerance"] * abs(check["expected"]), absolute=True)
+            check["expected"] = expected
+        path.write_text(json.dumps(scene))
         rows = []
         for out, server in (("ours", []), ("theirs", foreign)):
-            self.tandem(scene, *server, out=out)
+            self.tandem(path, *server, out=out)
             rows.append([float(value) for key, value in self.last(out).items() if key.startswith("plate.")])
             summary = json.loads((self.folder / out / "summary.json").read_text())
             self.assertTrue(all(check["passed"] for check in summary["checks"]), summary["checks"])
