@@ -5,7 +5,9 @@ set(TANDEM_PRODUCT_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <f
 set(TANDEM_TEST_HEADERS ${TANDEM_PRODUCT_HEADERS} <random> <gmock/gmock.h> <gtest/gtest.h>)
 
 # A precompiled header serves only code of the same kind; libraries need -fPIC.
-set(CMAKE_CXX_COMPILE_OPTIONS_PIE ${CMAKE_CXX_COMPILE_OPTIONS_PIC})
+if(TANDEM_PRECOMPILE)
+  set(CMAKE_CXX_COMPILE_OPTIONS_PIE ${CMAKE_CXX_COMPILE_OPTIONS_PIC})
+endif()
 
 # tandem_precompiled(NAME HEADERS... LIBS ...): a target that holds a set.
 function(tandem_precompiled name)
