@@ -115,7 +115,7 @@ TEST(Sensors, CountTheMassThatPasses) {
       const Quat q = exp(angle * normalized(Vec3d{1, 2, -1}));
       Vec3d along;
       along[axis[0] - 'x'] = 1;
-      const Vec3d v = 6 * q.rotate(along), middle = Vec3d{0.25, 0.05, 0.05} + 0.4 * q.rotate(along);
+      const Vec3d v = 3 * q.rotate(along), middle = Vec3d{0.25, 0.05, 0.05} + 0.4 * q.rotate(along);
       Vec3d size{1.6, 1.6, 1.6};
       size[axis[0] - 'x'] = 0.1;
       const json sensor = {{"name", "gate"},
@@ -124,7 +124,7 @@ TEST(Sensors, CountTheMassThatPasses) {
                            {"shape", {{"type", "box"}, {"size", list(size)}}},
                            {"flow", axis}};
       Flight run(flying(v, json::array({sensor})));
-      run.advance(150);  // 0.9 m
+      run.advance(300);  // 0.9 m
       const double expected = 320 * ball_mass;
       std::printf("  %-11.3g  %-13.6g  %-13.6g  %.3g\n", angle, expected, run.sensed[passed],
                   0.01 * expected);

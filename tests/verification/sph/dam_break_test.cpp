@@ -83,12 +83,12 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 TEST(DamBreak, ConvergesToItsOwnFineRun) {
   std::printf("column of water, twice as high as wide, until t sqrt(2g/L) = %.1f\n", end);
-  const auto coarse = front(5), medium = front(8), fine = front(12);
+  const auto coarse = front(5), medium = front(7), fine = front(10);
   const double first = difference(coarse, fine), second = difference(medium, fine);
-  std::printf("  distance of the front to that of the fine run / L: %.4f with 5 spacings, %.4f with 8\n",
+  std::printf("  distance of the front to that of the fine run / L: %.4f with 5 spacings, %.4f with 7\n",
               first, second);
   EXPECT_LT(second, first);
-  expect_figure("front of 8 spacings - that of 12 / L", 0, second, 0.1);
+  expect_figure("front of 7 spacings - that of 10 / L", 0, second, 0.1);
 
   const auto measured = measured_rows("dambreak_koshizuka_oka1996/koshizuka_oka1996_exp.csv");
   if (measured.empty()) {

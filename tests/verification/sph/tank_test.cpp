@@ -64,7 +64,7 @@ void add_moments(const LiquidState& s, Vec3d origin, double least, double (&mome
 // The surface of a liquid in a tank with the acceleration a has the slope -a/g, and its pressure the gradient
 // -rho (a, 0, g).
 TEST(Tank, ThatIsAcceleratedHasAnInclinedSurface) {
-  constexpr double a = 2, end = 3, ramp = 1.5;
+  constexpr double a = 2, end = 2.4, ramp = 1.2;
   const auto position = [&](double t) {
     const double s = std::min(t, ramp), after = std::max(0.0, t - ramp);
     // The acceleration grows as (1 - cos(pi t / ramp)) / 2.
