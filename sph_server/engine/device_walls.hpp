@@ -24,8 +24,9 @@ class DeviceWalls {
   void place(Exec& exec, const std::vector<particles::BodyPose>& poses) { upload(exec, poses, pose_); }
 
   WallsView view() const {
-    return {facet_.data(), grid_.data(),   cell_start_.data(), cell_facet_.data(), pose_.data(),
-            slip_.data(),  beyond_.data(), surface_.data(),    bodies_,            margin_};
+    return {facet_.data(), grid_.data(), cell_start_.data(), cell_facet_.data(),
+            pose_.data(),  slip_.data(), beyond_.data(),     surface_.data(),
+            bodies_,       margin_};
   }
 
  private:

@@ -53,9 +53,10 @@ TANDEM_HD inline double difference_of_angles(double y1, double x1, double y0, do
   return particles::angle_of(y1 * x0 - y0 * x1, x1 * x0 + y1 * y0);
 }
 
-// Inverse hyperbolic sine of to / n minus that of from / n, with from <= to and the roots s of the sums of their squares and
-// n2 = n^2.
-TANDEM_HD inline double difference_of_inverse_sinh(double from, double to, double s_from, double s_to, double n2) {
+// Inverse hyperbolic sine of to / n minus that of from / n, with from <= to and the roots s of the sums of
+// their squares and n2 = n^2.
+TANDEM_HD inline double difference_of_inverse_sinh(double from, double to, double s_from, double s_to,
+                                                   double n2) {
   if (from >= 0) return particles::logarithm((to + s_to) / (from + s_from));
   if (to <= 0) return particles::logarithm((s_from - from) / (s_to - to));
   return particles::logarithm((to + s_to) * ((s_from - from) / n2));
@@ -72,8 +73,7 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
   if (reach2 > 0) {
     from = std::fmin(std::fmax(t1, -reach), reach);
     to = std::fmin(std::fmax(t2, -reach), reach);
-    angle_within =
-        from == t1 && to == t2 ? angle : particles::angle_of(e * (to - from), e * e + from * to);
+    angle_within = from == t1 && to == t2 ? angle : particles::angle_of(e * (to - from), e * e + from * to);
   }
   sum.surface = tail * angle;
   // At and beyond the support, s = 1.
@@ -96,7 +96,8 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
   }
   // d j[-1] is a difference of two angles, with the sign of e, as the angle above, also of an e of rounding
   // size.
-  const double inwards = std::fabs(e), seen = difference_of_angles(d * to, inwards * s_to, d * from, inwards * s_from);
+  const double inwards = std::fabs(e),
+               seen = difference_of_angles(d * to, inwards * s_to, d * from, inwards * s_from);
   // An edge through the foot itself subtends no angle, unless the foot is between its ends.
   const double d_j = d == 0 || (e == 0 && from * to >= 0) ? 0 : std::copysign(seen, e);
   j[1] = angle_within;

@@ -11,7 +11,8 @@
 namespace tandem::sph {
 
 // What of a facet is hidden from x by others.
-// Facet: has corners a, b, c, a unit `normal`, `height`, `cone`, `body` and `beyond`, see neighbours/near_facet.hpp.
+// Facet: has corners a, b, c, a unit `normal`, `height`, `cone`, `body` and `beyond`, see
+// neighbours/near_facet.hpp.
 template <class Facet>
 class Hiding {
  public:
@@ -51,8 +52,8 @@ class Hiding {
   TriangleCone cone_;
 };
 
-// Facets: `count` of them in `facet`, of which facet k is seen. complete becomes false where so many facets hide parts of
-// it that some are missing.
+// Facets: `count` of them in `facet`, of which facet k is seen. complete becomes false where so many facets
+// hide parts of it that some are missing.
 template <class Facets>
 TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, const WallKernel& kernel,
                                         bool& complete) {

@@ -1,4 +1,5 @@
-// Cones under which a point x sees triangles: what is outside of the cone of a triangle neither hides it nor is hidden by it.
+// Cones under which a point x sees triangles: what is outside of the cone of a triangle neither hides it nor
+// is hidden by it.
 #pragma once
 
 #include <cmath>
@@ -9,8 +10,8 @@ namespace tandem::sph {
 
 // A circular cone about all directions from x to the points of a triangle.
 struct ViewCone {
-  Vec3d axis;                     // unit, from x
-  double cosine = -1, sine = 0;   // of the angle between axis and side; a cosine of -1: all directions
+  Vec3d axis;                    // unit, from x
+  double cosine = -1, sine = 0;  // of the angle between axis and side; a cosine of -1: all directions
 
   TANDEM_HD static ViewCone of(Vec3d x, Vec3d a, Vec3d b, Vec3d c) {
     const Vec3d to[3] = {a - x, b - x, c - x};
@@ -25,7 +26,8 @@ struct ViewCone {
     if (!(length > 0)) return {};
     ViewCone cone;
     cone.axis = (1 / length) * sum;
-    cone.cosine = std::fmin(dot(cone.axis, unit[0]), std::fmin(dot(cone.axis, unit[1]), dot(cone.axis, unit[2])));
+    cone.cosine =
+        std::fmin(dot(cone.axis, unit[0]), std::fmin(dot(cone.axis, unit[1]), dot(cone.axis, unit[2])));
     // The cap of a wide cone need not contain the triangle between its corners.
     if (!(cone.cosine > 0)) return {};
     cone.sine = std::sqrt(std::fmax(0.0, 1 - cone.cosine * cone.cosine));

@@ -42,7 +42,8 @@ TANDEM_HD inline double twice_area(const Polygon& p) {
   return norm(sum);
 }
 
-// Calls each(polygon) for the n^2 triangles into which parallels to the edges through n - 1 points of each cut a triangle.
+// Calls each(polygon) for the n^2 triangles into which parallels to the edges through n - 1 points of each
+// cut a triangle.
 template <class Each>
 TANDEM_HD void for_pieces(const Vec3d* corner, int n, Each each) {
   const Vec3d down = (1.0 / n) * (corner[1] - corner[0]), across = (1.0 / n) * (corner[2] - corner[1]);

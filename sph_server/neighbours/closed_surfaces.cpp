@@ -73,7 +73,9 @@ bool passes(Vec3d p, Vec3d q, const particles::Facet& f, double tolerance) {
 // Have two facets of one surface points in common, other than at the corners and the edge that they share?
 bool intersect(const particles::Facet& f, const particles::Facet& g, const Corners& of_f, const Corners& of_g,
                double tolerance) {
-  const auto is_shared = [](std::uint32_t corner, const Corners& of) { return std::ranges::count(of, corner) > 0; };
+  const auto is_shared = [](std::uint32_t corner, const Corners& of) {
+    return std::ranges::count(of, corner) > 0;
+  };
   const auto shared = std::ranges::count_if(of_f, [&](std::uint32_t c) { return is_shared(c, of_g); });
   if (shared == 3) return true;
   if (shared == 2) return dot(f.normal, g.normal) < -1 + 1e-12;  // they lie on each other
@@ -145,7 +147,8 @@ void add_closed_surfaces(std::span<const particles::Facet> facets, double reach,
   std::vector<bool> open(facets.size(), false);  // of the first facet of a set: it is no closed surface
   for (const bool joined : {false, true})
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-      while (end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high) ++end;
+      while (end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high)
+        ++end;
       const bool closes = end - begin == 2 && edges[begin].low != edges[begin].high &&
                           edges[begin].ascends != edges[begin + 1].ascends;
       for (std::size_t k = begin; k < end; ++k) {
@@ -155,7 +158,8 @@ void add_closed_surfaces(std::span<const particles::Facet> facets, double reach,
     }
   for_touching(facets, [&](std::uint32_t f, std::uint32_t g) {
     const std::uint32_t set = sets.of(f);
-    if (set == sets.of(g) && !open[set] && intersect(facets[f], facets[g], corners[f], corners[g], 1e-9 * reach))
+    if (set == sets.of(g) && !open[set] &&
+        intersect(facets[f], facets[g], corners[f], corners[g], 1e-9 * reach))
       open[set] = true;
   });
   std::map<std::uint32_t, std::uint32_t> number;

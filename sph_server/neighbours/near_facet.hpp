@@ -13,9 +13,9 @@ namespace tandem::sph {
 
 // A facet near a point x, in world axes.
 struct NearFacet {
-  Vec3d a, b, c, normal;     // [m], [-]
-  double height = 0;         // of x above its plane [m]
-  ViewCone cone;             // from x
+  Vec3d a, b, c, normal;  // [m], [-]
+  double height = 0;      // of x above its plane [m]
+  ViewCone cone;          // from x
   std::uint32_t body = 0;
   std::uint32_t surface = 0;  // closed surface to which it belongs; 0: none, see closed_surfaces.hpp
   // Facets of the same body reach beyond the plane, on the side of the normal (bit 0) or the other (bit 1).
@@ -23,7 +23,8 @@ struct NearFacet {
   bool faces_away = false;  // from x, which does not see it; see turn_away_backs()
 };
 
-// The share of the directions in the plane of a triangle that lead into it from a point on it: 1 inside, 1/2 on an edge.
+// The share of the directions in the plane of a triangle that lead into it from a point on it: 1 inside, 1/2
+// on an edge.
 TANDEM_HD inline double share_around(const NearFacet& f, Vec3d point, double distance) {
   const Vec3d corner[3] = {f.a, f.b, f.c};
   for (int k = 0; k < 3; ++k) {
@@ -34,10 +35,11 @@ TANDEM_HD inline double share_around(const NearFacet& f, Vec3d point, double dis
   return distance <= std::fabs(f.height) * (1 + 1e-9) ? 1 : 0.5;
 }
 
-// On which side of a closed surface is x: 1 that of the normals, -1 the other? By the angle-weighted normal at the nearest
-// point [BaerentzenAanaes2005]. 0 where all facets of the surface face x, and where the answer could depend on rounding.
-TANDEM_HD inline int side_of_surface(Vec3d x, const NearFacet* facet, std::uint32_t count, std::uint32_t surface,
-                                     double R) {
+// On which side of a closed surface is x: 1 that of the normals, -1 the other? By the angle-weighted normal
+// at the nearest point [BaerentzenAanaes2005]. 0 where all facets of the surface face x, and where the answer
+// could depend on rounding.
+TANDEM_HD inline int side_of_surface(Vec3d x, const NearFacet* facet, std::uint32_t count,
+                                     std::uint32_t surface, double R) {
   bool front = false, back = false;
   double nearest = R;
   particles::WallContact contact;
@@ -66,7 +68,8 @@ TANDEM_HD inline int side_of_surface(Vec3d x, const NearFacet* facet, std::uint3
   return along > 0 ? 1 : -1;
 }
 
-// Marks the facets of closed surfaces that face away from x. What x would see of them is behind facets that face x.
+// Marks the facets of closed surfaces that face away from x. What x would see of them is behind facets that
+// face x.
 TANDEM_HD inline void turn_away_backs(Vec3d x, NearFacet* facet, std::uint32_t count, double R) {
   std::uint32_t known = 0;
   int side = 0;
