@@ -117,10 +117,10 @@ TriangleMesh frame(double outer, double inner, double thick) {
   };
   for (std::uint32_t k = 0; k < 4; ++k) {
     const std::uint32_t next = (k + 1) % 4;
-    quad(next, k, 4 + k, 4 + next);                  // below
-    quad(8 + k, 8 + next, 12 + next, 12 + k);        // above
-    quad(k, next, 8 + next, 8 + k);                  // outside
-    quad(4 + next, 4 + k, 12 + k, 12 + next);        // inside the hole
+    quad(next, k, 4 + k, 4 + next);            // below
+    quad(8 + k, 8 + next, 12 + next, 12 + k);  // above
+    quad(k, next, 8 + next, 8 + k);            // outside
+    quad(4 + next, 4 + k, 12 + k, 12 + next);  // inside the hole
   }
   return m;
 }
@@ -143,7 +143,9 @@ double distance_to(const NearWalls& near, Vec3d x) {
 
 // The separating planes leave out only facets that hide nothing.
 TEST(SeenFacets, AreThoseThatAllOthersLeaveInSight) {
-  const Walls walls({waves(), transformed(box_mesh({0.15, 0.15, 0.1}), Pose{{0.1, 0.05, 0.3}, {}}), frame(0.5, 0.2, 0.05)}, R);
+  const Walls walls(
+      {waves(), transformed(box_mesh({0.15, 0.15, 0.1}), Pose{{0.1, 0.05, 0.3}, {}}), frame(0.5, 0.2, 0.05)},
+      R);
   Random random;
   NearWalls near;
   double most = 0;
@@ -160,7 +162,8 @@ TEST(SeenFacets, AreThoseThatAllOthersLeaveInSight) {
 }
 
 TEST(SeenFacets, OfClosedSurfacesFaceThePoint) {
-  const TriangleMesh mesh = transformed(frame(0.5, 0.2, 0.05), Pose{{0.01, 0.02, 0}, Quat{1, 0.2, 0.1, 0.3}.normalized()});
+  const TriangleMesh mesh =
+      transformed(frame(0.5, 0.2, 0.05), Pose{{0.01, 0.02, 0}, Quat{1, 0.2, 0.1, 0.3}.normalized()});
   for (const bool inwards : {false, true}) {
     const Walls walls({inwards ? inside_out(mesh) : mesh}, R);
     Random random;
@@ -249,7 +252,8 @@ TEST(SeenFacets, MayBeManyMoreThanAHundred) {
   EXPECT_NEAR(disc.shadow, expected.shadow, 1e-11);
 }
 
-// A floor behind tiles that do not touch each other: what is seen is the floor without the shadows of the tiles.
+// A floor behind tiles that do not touch each other: what is seen is the floor without the shadows of the
+// tiles.
 TEST(SeenFacets, AreWholeBehindHundredsOfOthers) {
   constexpr int n = 20;
   constexpr double half = 0.6, above = 0.05, pitch = 0.4 / n;
@@ -283,7 +287,8 @@ TEST(SeenFacets, AreWholeBehindHundredsOfOthers) {
   bool complete = true;
   FacetIntegrals sum;
   for (int k = 0; k < near.count; ++k)
-    if (near.facet[static_cast<std::size_t>(k)].body == 1) sum += seen_integrals(x, near, k, kernel, complete);
+    if (near.facet[static_cast<std::size_t>(k)].body == 1)
+      sum += seen_integrals(x, near, k, kernel, complete);
   EXPECT_TRUE(complete);
   EXPECT_GT(expected.surface * R, 0.01);
   EXPECT_NEAR(sum.surface * R, expected.surface * R, 1e-9);

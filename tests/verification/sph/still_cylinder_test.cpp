@@ -85,22 +85,17 @@ void rest_in_cylinder(double radius, double depth, int segments, double end, dou
   expect_figure("pressure error / bottom pressure, mean square", 0, std::sqrt(squares / inside), 0.02);
 }
 
+// A tank that is closed, as an engineer gives it: seen from its wall dozens of facets hide the lid of the
+// packing.
 TEST(StillColumn, RestsInACylinder) {
-  if (tested_backend() == particles::Backend::cuda)
+  if (tested_backend() == particles::Backend::cuda) {
     for (const int high : spacings({40})) rest_in_cylinder(0.35, 0.1 * high, 20, 20, 1e-6);
-  else if (SOAK)
+  } else if (SOAK) {
     rest_in_cylinder(0.35, 0.6, 20, 3, 1e-4);
-  else
-    rest_in_cylinder(0.3, 0.4, 12, 1.5, 1e-4);
-}
-
-// A round tank as an engineer gives it. Seen from its wall the lid of the packing is hidden by dozens of
-// facets.
-TEST(StillColumn, RestsInAClosedTank) {
-  if (SOAK)
     rest_in_cylinder(0.5, 0.8, 52, 2, 1e-4, true);
-  else
+  } else {
     rest_in_cylinder(0.25, 0.4, 24, 1, 1e-4, true);
+  }
 }
 
 }  // namespace still_cylinder_test
