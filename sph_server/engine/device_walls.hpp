@@ -18,14 +18,15 @@ class DeviceWalls {
     upload(exec, walls.cell_facet(), cell_facet_);
     upload(exec, walls.slip(), slip_);
     upload(exec, walls.beyond(), beyond_);
+    upload(exec, walls.surface(), surface_);
     place(exec, walls.poses());
   }
   void place(Exec& exec, const std::vector<particles::BodyPose>& poses) { upload(exec, poses, pose_); }
 
   WallsView view() const {
-    return {facet_.data(),      grid_.data(), cell_start_.data(),
-            cell_facet_.data(), pose_.data(), slip_.data(),
-            beyond_.data(),     bodies_,      margin_};
+    return {facet_.data(), grid_.data(), cell_start_.data(), cell_facet_.data(),
+            pose_.data(),  slip_.data(), beyond_.data(),     surface_.data(),
+            bodies_,       margin_};
   }
 
  private:
@@ -38,7 +39,7 @@ class DeviceWalls {
 
   Buffer<particles::Facet> facet_;
   Buffer<particles::FacetGrid> grid_;
-  Buffer<std::uint32_t> cell_start_, cell_facet_;
+  Buffer<std::uint32_t> cell_start_, cell_facet_, surface_;
   Buffer<std::uint8_t> slip_, beyond_;
   Buffer<particles::BodyPose> pose_;
   std::uint32_t bodies_ = 0;

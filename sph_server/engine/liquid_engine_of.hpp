@@ -419,26 +419,25 @@ class LiquidEngineOf final : public LiquidEngine {
                 "liquid", "enlarge the domain, or take a smaller step");
   }
 
-  // Names the first particle with too many facets near it, or with facets in too many parts.
+  // Names the first particle that sees a facet through so many others that some parts are missing.
   [[noreturn]] void refuse_crowded() const {
     const Host host = download();
     const double R = setup_.liquid.support();
-    std::string where = "a particle", why = "hide each other in very many parts";
+    std::string where = "a particle";
     NearWalls near;
     for (std::uint32_t i = 0; i < count(); ++i) {
       const Vec3d x = centres_.metres(centres_.joined(host.position[i], fine_of(host, i)));
-      walls_.find(x, R, near);
-      bool crowded = near.overflow;
-      for (int k = 0; k < near.count && !crowded; ++k) seen_integrals(x, near, k, see_.kernel, crowded);
-      if (!crowded) continue;
+      walls_.find_seen(x, R, near);
+      bool complete = true;
+      for (int k = 0; k < near.count && complete; ++k) seen_integrals(x, near, k, see_.kernel, complete);
+      if (complete) continue;
       where = "the particle at " + scene::rounded(x) + " m";
-      if (near.overflow) why = "are more than " + std::to_string(NearWalls::most);
       break;
     }
-    throw Error(
-        ErrorCode::scene, "the triangles within " + scene::rounded(R) + " m of " + where + " " + why, "walls",
-        "give the walls there fewer and larger triangles, as a round one by fewer 'segments', or take "
-        "a smaller spacing of the liquid");
+    throw Error(ErrorCode::scene,
+                "the triangles within " + scene::rounded(R) + " m of " + where +
+                    " hide each other in very many parts",
+                "walls", "remove triangles there that are much smaller than the spacing of the liquid");
   }
 
   void sum_rates() {

@@ -48,6 +48,20 @@ struct EdgeIntegrals {
   double side_along = 0;
 };
 
+// Angle of the vector (x1, y1) minus that of (x0, y0), both with x >= 0 [rad].
+TANDEM_HD inline double difference_of_angles(double y1, double x1, double y0, double x0) {
+  return particles::angle_of(y1 * x0 - y0 * x1, x1 * x0 + y1 * y0);
+}
+
+// Inverse hyperbolic sine of to / n minus that of from / n, with from <= to and the roots s of the sums of
+// their squares and n2 = n^2.
+TANDEM_HD inline double difference_of_inverse_sinh(double from, double to, double s_from, double s_to,
+                                                   double n2) {
+  if (from >= 0) return particles::logarithm((to + s_to) / (from + s_from));
+  if (to <= 0) return particles::logarithm((s_from - from) / (s_to - to));
+  return particles::logarithm((to + s_to) * ((s_from - from) / n2));
+}
+
 TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d, double e, double t1,
                                               double t2) {
   EdgeIntegrals sum;
@@ -59,7 +73,7 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
   if (reach2 > 0) {
     from = std::fmin(std::fmax(t1, -reach), reach);
     to = std::fmin(std::fmax(t2, -reach), reach);
-    angle_within = particles::angle_of(e * (to - from), e * e + from * to);
+    angle_within = from == t1 && to == t2 ? angle : particles::angle_of(e * (to - from), e * e + from * to);
   }
   sum.surface = tail * angle;
   // At and beyond the support, s = 1.
@@ -72,7 +86,7 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
   const double s_from = std::sqrt(nearest2 + from * from), s_to = std::sqrt(nearest2 + to * to);
   double i[9], j[9];
   const double nearest = std::sqrt(nearest2);
-  i[0] = nearest > 0 ? particles::inverse_sinh(to / nearest) - particles::inverse_sinh(from / nearest) : 0;
+  i[0] = nearest > 0 ? difference_of_inverse_sinh(from, to, s_from, s_to, nearest2) : 0;
   i[1] = to - from;
   double power_from = s_from, power_to = s_to;
   for (int k = 1; k <= 7; ++k) {
@@ -82,8 +96,8 @@ TANDEM_HD inline EdgeIntegrals edge_integrals(const WallKernel& kernel, double d
   }
   // d j[-1] is a difference of two angles, with the sign of e, as the angle above, also of an e of rounding
   // size.
-  const double inwards = std::fabs(e), seen = particles::angle_of(d * to, inwards * s_to) -
-                                              particles::angle_of(d * from, inwards * s_from);
+  const double inwards = std::fabs(e),
+               seen = difference_of_angles(d * to, inwards * s_to, d * from, inwards * s_from);
   // An edge through the foot itself subtends no angle, unless the foot is between its ends.
   const double d_j = d == 0 || (e == 0 && from * to >= 0) ? 0 : std::copysign(seen, e);
   j[1] = angle_within;

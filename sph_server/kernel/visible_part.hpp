@@ -35,6 +35,37 @@ TANDEM_HD inline bool reaches_beyond(const Polygon& p, Vec3d origin, Vec3d norma
   return false;
 }
 
+// Twice the area of a polygon in a plane [m2].
+TANDEM_HD inline double twice_area(const Polygon& p) {
+  Vec3d sum;
+  for (int k = 2; k < p.count; ++k) sum += cross(p.corner[k - 1] - p.corner[0], p.corner[k] - p.corner[0]);
+  return norm(sum);
+}
+
+// Calls each(polygon) for the n^2 triangles into which parallels to the edges through n - 1 points of each
+// cut a triangle.
+template <class Each>
+TANDEM_HD void for_pieces(const Vec3d* corner, int n, Each each) {
+  const Vec3d down = (1.0 / n) * (corner[1] - corner[0]), across = (1.0 / n) * (corner[2] - corner[1]);
+  const auto at = [&](int row, int column) {
+    return n == 1 ? corner[row + column]
+                  : corner[0] + static_cast<double>(row) * down + static_cast<double>(column) * across;
+  };
+  Polygon piece;
+  piece.count = 3;
+  for (int row = 0; row < n; ++row)
+    for (int column = 0; column <= row; ++column) {
+      piece.corner[0] = at(row, column);
+      piece.corner[1] = at(row + 1, column);
+      piece.corner[2] = at(row + 1, column + 1);
+      each(piece);
+      if (column == row) break;
+      piece.corner[1] = at(row + 1, column + 1);
+      piece.corner[2] = at(row, column + 1);
+      each(piece);
+    }
+}
+
 // Is every point of the polygon, counter-clockwise about `normal`, at least `radius` from x, seen across one
 // edge? Cuts leave edges of rounding size, whose direction says nothing.
 TANDEM_HD inline bool is_beyond(const Polygon& p, Vec3d x, Vec3d normal, double radius) {
@@ -84,7 +115,9 @@ struct Shadow {
 template <class ShadowAt, class Each>
 TANDEM_HD bool for_visible_parts(const Polygon& whole, Vec3d facing, Vec3d x, double radius, int hiders,
                                  ShadowAt shadow, Each each) {
-  constexpr int most = 32;
+  constexpr int most = 20;
+  // Parts of less area are of rounding size [m2].
+  const double least = 1e-14 * radius * radius;
   particles::UninitialisedArray<Polygon, most> pending;
   particles::UninitialisedArray<int, most> next;  // the first shadow that the part has not been cut by
   int count = 1;
@@ -92,39 +125,44 @@ TANDEM_HD bool for_visible_parts(const Polygon& whole, Vec3d facing, Vec3d x, do
   next[0] = 0;
   while (count > 0) {
     --count;
-    Polygon rest = pending[count];
+    const Polygon part = pending[count];
     int k = next[count];
-    Shadow hides;
-    for (; k < hiders; ++k) {
-      hides = shadow(k);
-      if (hides.meets(rest)) break;
-    }
-    if (k == hiders) {
-      each(rest);
-      continue;
-    }
-    // Each of the four cuts below adds one corner at most; what has more corners falls into two halves.
-    if (rest.count > Polygon::most - 4) {
-      if (count + 2 > most) return false;
-      const int middle = rest.count / 2;
-      Polygon &first = pending[count], &second = pending[count + 1];
-      first.count = second.count = 0;
-      for (int n = 0; n <= middle; ++n) first.corner[first.count++] = rest.corner[n];
-      for (int n = middle; n <= rest.count; ++n)
-        second.corner[second.count++] = rest.corner[n < rest.count ? n : 0];
-      next[count] = next[count + 1] = k;
-      count += 2;
-      continue;
-    }
-    for (int side = 0; side < 4 && rest.count > 0; ++side) {
-      const Polygon outside = clipped(rest, hides.origin[side], -hides.inward[side]);
-      if (outside.count > 0 && !is_beyond(outside, x, facing, radius)) {
-        if (count == most) return false;
-        pending[count] = outside;
-        next[count++] = k + 1;
+    bool cut = false;
+    for (; k < hiders && !cut; ++k) {
+      const Shadow hides = shadow(k);
+      if (!hides.meets(part)) continue;
+      // Each of the four cuts below adds one corner at most; what has more corners falls into two halves.
+      if (part.count > Polygon::most - 4) {
+        if (count + 2 > most) return false;
+        const int middle = part.count / 2;
+        Polygon &first = pending[count], &second = pending[count + 1];
+        first.count = second.count = 0;
+        for (int n = 0; n <= middle; ++n) first.corner[first.count++] = part.corner[n];
+        for (int n = middle; n <= part.count; ++n)
+          second.corner[second.count++] = part.corner[n < part.count ? n : 0];
+        next[count] = next[count + 1] = k;
+        count += 2;
+        cut = true;
+        break;
       }
-      rest = clipped(rest, hides.origin[side], hides.inward[side]);
+      // What is left of the part after the four cuts is hidden. A shadow that hides nothing
+      // within `radius` cuts nothing.
+      int outsides = 0;
+      Polygon rest = part;
+      for (int side = 0; side < 4 && rest.count > 0; ++side) {
+        const Polygon outside = clipped(rest, hides.origin[side], -hides.inward[side]);
+        if (outside.count > 0 && !is_beyond(outside, x, facing, radius) && twice_area(outside) > least) {
+          if (count + outsides == most) return false;
+          pending[count + outsides] = outside;
+          next[count + outsides++] = k + 1;
+        }
+        rest = clipped(rest, hides.origin[side], hides.inward[side]);
+      }
+      if (rest.count == 0 || twice_area(rest) <= least || is_beyond(rest, x, facing, radius)) continue;
+      count += outsides;
+      cut = true;
     }
+    if (!cut) each(part);
   }
   return true;
 }

@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "particles/geometry/facet_grid.hpp"
+#include "sph_server/neighbours/closed_surfaces.hpp"
 
 namespace tandem::sph {
 namespace {
@@ -43,6 +44,7 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::v
                                                 wall_grid_budget, cell_start_, cell_facet_));
     poses_.push_back({{}, Mat3d::identity(), {}, {}});
     slip_.push_back(body < slip.size() && slip[body] ? 1 : 0);
+    add_closed_surfaces(std::span(facets_).subspan(first), reach, surface_);
     double extent = 0;
     for (const Vec3d& vertex : mesh.vertices) extent = std::max(extent, norm(vertex));
     extent_.push_back(extent);
@@ -58,9 +60,28 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::v
 }
 
 WallsView Walls::view() const {
-  return {facets_.data(),     grids_.data(), cell_start_.data(),
-          cell_facet_.data(), poses_.data(), slip_.data(),
-          beyond_.data(),     bodies(),      margin_};
+  return {facets_.data(), grids_.data(),  cell_start_.data(), cell_facet_.data(), poses_.data(),
+          slip_.data(),   beyond_.data(), surface_.data(),    bodies(),           margin_};
+}
+
+void Walls::find(Vec3d x, double radius, NearWalls& found) const {
+  found.facet.clear();
+  const WallsView walls = view();
+  walls.for_near(x, radius, [&](std::uint32_t number) {
+    found.facet.push_back(walls.seen_from(x, number));
+    return true;
+  });
+  found.count = static_cast<int>(found.facet.size());
+}
+void Walls::find_seen(Vec3d x, double radius, NearWalls& found) const {
+  found.facet.clear();
+  const WallsView walls = view();
+  walls.for_near(x, radius, [&](std::uint32_t number) {
+    if (walls.is_within(radius, x, number)) found.facet.push_back(walls.seen_from(x, number));
+    return true;
+  });
+  const auto all = static_cast<std::uint32_t>(found.facet.size());
+  found.count = static_cast<int>(without_backs(x, found.facet.data(), all, radius));
 }
 
 double Walls::moved_from(const std::vector<particles::BodyPose>& poses_then) const {

@@ -9,6 +9,12 @@
 
 namespace tandem::sph {
 
+// Facets near one point.
+struct NearWalls {
+  std::vector<NearFacet> facet;  // those of a body follow each other
+  int count = 0;
+};
+
 class Walls {
  public:
   Walls() = default;
@@ -23,8 +29,11 @@ class Walls {
   // Refers to this object, and to its poses as they change.
   WallsView view() const;
 
+  // All facets that may have a point within `radius` [m] of x.
+  void find(Vec3d x, double radius, NearWalls& found) const;
+  // Those of them that x may see.
+  void find_seen(Vec3d x, double radius, NearWalls& found) const;
   // See WallsView.
-  void find(Vec3d x, double radius, NearWalls& found) const { view().find(x, radius, found); }
   bool between(Vec3d x, Vec3d y) const { return view().between(x, y); }
   // Bound of how far any facet is from where it was with these poses [m].
   double moved_from(const std::vector<particles::BodyPose>& poses_then) const;
@@ -37,6 +46,7 @@ class Walls {
   const std::vector<std::uint32_t>& cell_facet() const { return cell_facet_; }
   const std::vector<std::uint8_t>& slip() const { return slip_; }
   const std::vector<std::uint8_t>& beyond() const { return beyond_; }
+  const std::vector<std::uint32_t>& surface() const { return surface_; }
 
  private:
   std::vector<particles::Facet> facets_;
@@ -45,6 +55,7 @@ class Walls {
   std::vector<std::uint32_t> cell_facet_;
   std::vector<particles::BodyPose> poses_;
   std::vector<std::uint8_t> slip_, beyond_;  // see WallsView
+  std::vector<std::uint32_t> surface_;
   double margin_ = 0;
   std::vector<double> extent_;  // largest distance of a vertex from the origin of its body [m]
 };

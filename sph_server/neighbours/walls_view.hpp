@@ -4,27 +4,11 @@
 #include <cmath>
 #include <cstdint>
 
-#include "particles/base/uninitialised.hpp"
 #include "particles/geometry/facet.hpp"
 #include "particles/geometry/path.hpp"
+#include "sph_server/neighbours/near_facet.hpp"
 
 namespace tandem::sph {
-
-// A facet near a point, in world axes.
-struct NearFacet {
-  Vec3d a, b, c, normal;  // [m], [-]
-  std::uint32_t body = 0;
-  // Facets of the same body reach beyond the plane, on the side of the normal (bit 0) or the other (bit 1).
-  std::uint8_t beyond = 0;
-};
-
-// Facets near one point.
-struct NearWalls {
-  static constexpr int most = 256;
-  particles::UninitialisedArray<NearFacet, most> facet;
-  int count = 0;
-  bool overflow = false;  // there are more than `most`
-};
 
 // Is every point of the triangle further than `radius` from x, seen across its plane or across one edge?
 TANDEM_HD inline bool is_far(const particles::Facet& f, Vec3d x, double radius) {
@@ -63,6 +47,7 @@ struct WallsView {
   const particles::BodyPose* pose = nullptr;  // (bodies)
   const std::uint8_t* slip = nullptr;         // 1: of a body without friction (bodies)
   const std::uint8_t* beyond = nullptr;       // see NearFacet (facets)
+  const std::uint32_t* surface = nullptr;     // see NearFacet (facets)
   std::uint32_t bodies = 0;
   double margin = 0;  // of crosses() [m]
 
@@ -72,7 +57,26 @@ struct WallsView {
   TANDEM_HD NearFacet in_world(std::uint32_t number) const {
     const particles::Facet& f = facet[number];
     const particles::BodyPose& at = pose[f.body];
-    return {at.p + at.R * f.a, at.p + at.R * f.b, at.p + at.R * f.c, at.R * f.normal, f.body, beyond[number]};
+    NearFacet near;
+    near.a = at.p + at.R * f.a;
+    near.b = at.p + at.R * f.b;
+    near.c = at.p + at.R * f.c;
+    near.normal = at.R * f.normal;
+    near.body = f.body;
+    near.surface = surface[number];
+    near.beyond = beyond[number];
+    return near;
+  }
+  // Has the facet a point less than `radius` [m] from x?
+  TANDEM_HD bool is_within(double radius, Vec3d x, std::uint32_t number) const {
+    particles::WallContact contact;
+    return particles::touch_triangle(facet[number], into_body(facet[number].body, x), radius, contact);
+  }
+  TANDEM_HD NearFacet seen_from(Vec3d x, std::uint32_t number) const {
+    NearFacet near = in_world(number);
+    near.height = dot(x - near.a, near.normal);
+    near.cone = ViewCone::of(x, near.a, near.b, near.c);
+    return near;
   }
 
   // Calls each(number) for the facets that may have a point within `radius` <= reach of x, in ascending order
@@ -85,15 +89,6 @@ struct WallsView {
       for (int k = 0; k < listed.count; ++k)
         if (!is_far(facet[listed[k]], in_body, radius) && !each(listed[k])) return;
     }
-  }
-  TANDEM_HD void find(Vec3d x, double radius, NearWalls& found) const {
-    found.count = 0;
-    found.overflow = false;
-    for_near(x, radius, [&](std::uint32_t number) {
-      found.overflow = found.count == NearWalls::most;
-      if (!found.overflow) found.facet[found.count++] = in_world(number);
-      return !found.overflow;
-    });
   }
 
   // Is a facet between two points, less than the reach apart? The answer for (x, y) is that for (y, x).

@@ -47,14 +47,15 @@ struct LiquidArrays {
 // The integrals over what a particle sees of a facet.
 struct SeenFacet {
   FacetIntegrals integrals;
-  bool whole = true;  // false: it falls into too many parts, of which some are missing
+  bool complete = true;  // false: so many facets hide parts of it that some are missing
 };
 
 // The walls near each particle. Those of particle i begin at facets.start[i].
 struct WallArrays {
   ListView<std::uint32_t> facets;           // with a point within the reach when the list was built
   const std::uint32_t* particle = nullptr;  // of each entry of `facets`
-  // Those with a point within the support now: the first near_count[i] entries from facets.start[i] on.
+  // Those with a point within the support now that the particle may see: the first near_count[i] entries from
+  // facets.start[i] on.
   std::uint32_t* near_count = nullptr;
   NearFacet* near = nullptr;
   SeenFacet* seen = nullptr;
@@ -64,7 +65,6 @@ struct WallArrays {
 
 // Facets near one particle.
 struct FacetsOfParticle {
-  static constexpr int most = NearWalls::most;
   const NearFacet* facet = nullptr;  // those of a body follow each other
   int count = 0;
 

@@ -19,7 +19,7 @@ struct NameParticles {
   }
 };
 
-// The facets near particle i, in world axes. One more than `most` means that there are too many.
+// The facets near particle i that it may see, in world axes.
 template <class Real>
 struct PlaceFacets {
   LiquidArrays<Real> liquid;
@@ -33,12 +33,11 @@ struct PlaceFacets {
     std::uint32_t count = 0;
     if (begin < end) {
       const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-      for (std::uint32_t n = begin; n < end && count <= FacetsOfParticle::most; ++n) {
+      for (std::uint32_t n = begin; n < end; ++n) {
         const std::uint32_t number = arrays.facets.entry[n];
-        const particles::Facet& f = walls.facet[number];
-        if (!is_far(f, walls.into_body(f.body, x), support))
-          arrays.near[begin + count++] = walls.in_world(number);
+        if (walls.is_within(support, x, number)) arrays.near[begin + count++] = walls.seen_from(x, number);
       }
+      count = without_backs(x, arrays.near + begin, count, support);
     }
     arrays.near_count[i] = count;
   }
@@ -55,12 +54,12 @@ struct SeeFacets {
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
                         count = arrays.near_count[i], k = entry - begin;
-    if (k >= count || count > FacetsOfParticle::most) return;
+    if (k >= count) return;
     const FacetsOfParticle near{arrays.near + begin, static_cast<int>(count)};
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    bool overflow = false;
-    arrays.seen[entry].integrals = seen_integrals(x, near, static_cast<int>(k), kernel, overflow);
-    arrays.seen[entry].whole = !overflow;
+    bool complete = true;
+    arrays.seen[entry].integrals = seen_integrals(x, near, static_cast<int>(k), kernel, complete);
+    arrays.seen[entry].complete = complete;
   }
 };
 

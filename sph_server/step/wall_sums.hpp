@@ -59,11 +59,7 @@ struct SumWalls {
     const std::uint32_t begin = arrays.facets.start[i];
     const SeenFacet* const seen = arrays.seen + begin;
     FacetsOfParticle near{arrays.near + begin, static_cast<int>(arrays.near_count[i])};
-    if (near.count > FacetsOfParticle::most) {
-      ++tally.crowded_by_facets;
-      return sum;
-    }
-    bool whole = true;
+    bool complete = true;
     Mat3d missing;  // M of ghost_gradient
     const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
     Nearest nearest;
@@ -74,7 +70,7 @@ struct SumWalls {
       const NearFacet& f = near.facet[k];
       const FacetIntegrals& integrals = seen[k].integrals;
       nearest.take(f, p.x, repulsion.range);
-      whole = whole && seen[k].whole;
+      complete = complete && seen[k].complete;
       if (!is_seen(integrals)) continue;
       const AtFacet at(*this, p, f);
       const WallTerms t = at.terms(*this, p, f, integrals);
@@ -89,7 +85,7 @@ struct SumWalls {
         missing.row[a][a] -= of_ghosts * integrals.shadow;
       }
     }
-    tally.crowded_by_facets += whole ? 0 : 1;
+    tally.crowded_by_facets += complete ? 0 : 1;
     const double share =
         continued ? ghost_share(neighbours, filled_room(neighbours, own, sum.shadow), missing) : 0;
     Mat3d represented = Mat3d::identity();
@@ -164,7 +160,7 @@ struct SumWalls {
     Vec3d v_wall;   // [m/s]
 
     TANDEM_HD AtFacet(const SumWalls& sums, const Particle& p, const NearFacet& f)
-        : height(dot(p.x - f.a, f.normal)),
+        : height(f.height),
           normal(height < 0 ? -f.normal : f.normal),
           v_wall(sums.velocity_of(f.body, p.x)) {}
     TANDEM_HD WallTerms terms(const SumWalls& sums, const Particle& p, const NearFacet& f,

@@ -1,0 +1,180 @@
+// CPU time of what particles see of the walls near them:
+//   bench_walls [SAMPLES]
+// For each mesh it takes points from 0.3 to 3 spacings off its facets, and prints the time per point and
+// step, its worst hundredth and how many facets the support has that are not dropped.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "particles/geometry/touch_facet.hpp"
+#include "sph_server/kernel/seen_integrals.hpp"
+#include "sph_server/neighbours/walls.hpp"
+
+namespace {
+
+using namespace tandem;
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
+}
+
+void add_triangle(TriangleMesh& m, Vec3d a, Vec3d b, Vec3d c) {
+  const auto first = static_cast<std::uint32_t>(m.vertices.size());
+  m.vertices.insert(m.vertices.end(), {a, b, c});
+  m.triangles.push_back({first, first + 1, first + 2});
+}
+void add_quad(TriangleMesh& m, Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
+  add_triangle(m, a, b, c);
+  add_triangle(m, a, c, d);
+}
+
+// A drum about the z axis with around x along octagonal holes of this radius; thickness 0: a sheet.
+TriangleMesh drum(double radius, int around, int along, double hole, double thickness) {
+  TriangleMesh m;
+  const double pitch = 2 * std::numbers::pi * radius / around;
+  constexpr int corners = 8;
+  const auto at = [radius](double u, double z, double r) {
+    return Vec3d{r * std::cos(u / radius), r * std::sin(u / radius), z};
+  };
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < along; ++j)
+      for (int s = 0; s < corners; ++s) {
+        Vec3d inner[2][2], outer[2][2];  // end of the piece, side of the sheet
+        for (int e = 0; e < 2; ++e) {
+          const double angle = 2 * std::numbers::pi * (s + e) / corners, c = std::cos(angle),
+                       n = std::sin(angle), u = (i + 0.5) * pitch, z = (j + 0.5) * pitch,
+                       square = pitch / 2 / std::max(std::fabs(c), std::fabs(n));
+          for (int side = 0; side < 2; ++side) {
+            const double r = radius + side * thickness;
+            inner[e][side] = at(u + hole * c, z + hole * n, r);
+            outer[e][side] = at(u + square * c, z + square * n, r);
+          }
+        }
+        if (thickness == 0) {
+          add_quad(m, inner[0][0], outer[0][0], outer[1][0], inner[1][0]);
+          continue;
+        }
+        add_quad(m, inner[0][0], inner[1][0], outer[1][0], outer[0][0]);
+        add_quad(m, inner[0][1], outer[0][1], outer[1][1], inner[1][1]);
+        add_quad(m, inner[0][0], inner[0][1], inner[1][1], inner[1][0]);
+        const bool low =
+            outer[0][0].z +
+            outer[1][0].z<1e-6 * pitch, high = outer[0][0].z + outer[1][0].z>(2 * along - 1e-6) * pitch;
+        if (low || high) add_quad(m, outer[0][0], outer[1][0], outer[1][1], outer[0][1]);
+      }
+  return m;
+}
+
+// A sphere of 20 n^2 triangles with bumps: rough, as a block of cast iron.
+TriangleMesh rough_block(double radius, double height, int n) {
+  const double p = (1 + std::sqrt(5.0)) / 2;
+  const Vec3d v[12] = {{-1, p, 0},  {1, p, 0},  {-1, -p, 0}, {1, -p, 0}, {0, -1, p},  {0, 1, p},
+                       {0, -1, -p}, {0, 1, -p}, {p, 0, -1},  {p, 0, 1},  {-p, 0, -1}, {-p, 0, 1}};
+  constexpr int faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  const auto bumped = [&](Vec3d d) {
+    d = normalized(d);
+    const double bump = std::sin(9 * d.x + 0.3) * std::sin(9 * d.y + 0.7) * std::sin(9 * d.z + 1.1);
+    return (radius + height * bump) * d;
+  };
+  TriangleMesh m;
+  for (const auto& f : faces) {
+    const auto at = [&](int i, int j) { return bumped((n - i - j) * v[f[0]] + i * v[f[1]] + j * v[f[2]]); };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        add_triangle(m, at(i, j), at(i + 1, j), at(i, j + 1));
+        if (i + j + 1 < n) add_triangle(m, at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+      }
+  }
+  return m;
+}
+
+double distance_to(Vec3d x, const sph::NearWalls& near, double R) {
+  double least = R;
+  for (int k = 0; k < near.count; ++k) {
+    const sph::NearFacet& f = near.facet[k];
+    particles::WallContact contact;
+    if (particles::touch_triangle(particles::Facet{f.a, f.b, f.c, f.normal}, x, R, contact))
+      least = std::min(least, contact.gap + R);
+  }
+  return least;
+}
+
+// side: of the normals on which the points are; 0: both.
+void measure(const char* name, const TriangleMesh& mesh, double spacing, int side, int samples) {
+  const double R = 3 * spacing;
+  const sph::WallKernel kernel = sph::WallKernel::of(R, spacing);
+  const double begin = cpu_seconds();
+  const sph::Walls walls({mesh}, R);
+  const double built = cpu_seconds() - begin;
+  std::mt19937_64 bits(7);
+  const auto random = [&bits] { return static_cast<double>(bits() >> 11) * 0x1p-53; };
+  std::vector<Vec3d> points;
+  sph::NearWalls near;
+  for (int tries = 0; static_cast<int>(points.size()) < samples && tries < 100 * samples; ++tries) {
+    const auto& f =
+        walls.facets()[static_cast<std::size_t>(random() * static_cast<double>(walls.facets().size()))];
+    double a = random(), b = random();
+    if (a + b > 1) a = 1 - a, b = 1 - b;
+    const double sign = side != 0 ? side : random() < 0.5 ? -1 : 1;
+    const Vec3d x =
+        f.a + a * (f.b - f.a) + b * (f.c - f.a) + (sign * (0.3 + 2.7 * random()) * spacing) * f.normal;
+    walls.find(x, R, near);
+    if (distance_to(x, near, R) < 0.3 * spacing) continue;
+    points.push_back(x);
+  }
+  std::vector<double> times;
+  double facets = 0, shadow = 0, evaluations = 0;
+  for (const Vec3d& x : points) {
+    // Several times, since the clock is coarse.
+    int repeats = 0;
+    const double start = cpu_seconds();
+    double passed = 0;
+    do {
+      walls.find_seen(x, R, near);
+      bool complete = true;
+      for (int k = 0; k < near.count; ++k) shadow += sph::seen_integrals(x, near, k, kernel, complete).shadow;
+      ++repeats;
+      ++evaluations;
+      passed = cpu_seconds() - start;
+    } while (passed < 2e-4);
+    times.push_back(1e6 * passed / repeats);
+    facets += near.count;
+  }
+  std::sort(times.begin(), times.end());
+  double mean = 0;
+  for (const double t : times) mean += t / static_cast<double>(times.size());
+  std::printf(
+      "%-24s %7zu triangles, %5.1f facets in sight, mean %7.2f us, worst hundredth %7.2f us, built in %.2f "
+      "s, mean hidden "
+      "part of the kernel %.6f\n",
+      name, mesh.triangles.size(), facets / static_cast<double>(points.size()), mean,
+      times[static_cast<std::size_t>(0.99 * static_cast<double>(times.size()))], built, shadow / evaluations);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int samples = argc > 1 ? std::atoi(argv[1]) : 400;
+  TriangleMesh flat;
+  add_quad(flat, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0});
+  measure("flat wall", flat, 0.02, 1, samples);
+  measure("round tank, 52 segments", cylinder_mesh(0.1, 0.2, 52), 0.02, -1, samples);
+  measure("round tank, 24 segments", cylinder_mesh(0.1, 0.2, 24), 0.02, -1, samples);
+  measure("drum, sheet", drum(0.25, 72, 18, 0.0025, 0), 0.002, 0, samples);
+  measure("drum, 0.6 mm thick", drum(0.25, 72, 18, 0.0025, 0.0006), 0.002, 1, samples);
+  measure("rough block", rough_block(0.2, 0.01, 40), 0.004, 1, samples);
+  measure("rough block, fine", rough_block(0.2, 0.01, 80), 0.004, 1, samples);
+}
