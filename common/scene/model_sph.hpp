@@ -89,7 +89,7 @@ struct Sph {
   LiquidPrecision precision = LiquidPrecision::mixed;
   std::optional<double> micro_step;  // longest step [s]; absent: that of the rule (docs/liquid.md)
   std::vector<Wall> walls;           // without materials
-  Box domain;                        // a particle that leaves it ends the run
+  Box domain;                        // particles that leave it are taken out
   std::vector<LiquidPair> pairs;     // each body at most once
   std::vector<LiquidSensor> sensors;
   std::vector<LiquidInlet> inlets;

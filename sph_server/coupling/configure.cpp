@@ -63,6 +63,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     bodies_loaded_ += is_new ? 1 : 0;
     load_of_.push_back(bodies_loaded_ - 1);
     bodies_.push_back({body.body, scene_.body_name(body.body), extent});
+    corners_.push_back(body.mesh.vertices);
     for (const std::string& sentence : body.inside) log::info("{}", sentence);
   }
   traffic_ = Traffic(sph, start.inlets, start.setup);
@@ -71,6 +72,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     if (bodies_.empty() || bodies_.back().body != ground) ++bodies_loaded_;
     load_of_.push_back(bodies_loaded_ - 1);
     bodies_.push_back({ground, scene_.body_name(ground), norm(inlet.of.pose.p_WB)});
+    corners_.emplace_back();
   }
   const double window =
       scene_.coupling.adaptive ? scene_.coupling.adaptive->max_window : scene_.coupling.window;

@@ -21,11 +21,6 @@ bool contains(const scene::Outlet& outlet, Vec3d x) {
   return true;
 }
 
-// Kinetic and of compression [J].
-double energy_of(const Liquid& l, Vec3d v, double compression) {
-  return l.mass() * (0.5 * norm2(v) + l.sound_speed * l.sound_speed * tait_energy(compression));
-}
-
 }  // namespace
 
 Traffic::Traffic(const scene::Sph& sph, std::vector<Inlet> inlets, const LiquidSetup& setup)

@@ -47,12 +47,11 @@ class Traffic {
 
   // Particles that come in until the end of the run [s].
   std::size_t to_come(double end_time) const;
+  std::uint64_t came_in(const std::vector<Seen>& seen) const;  // particles
   // What is reported: of `facts` the counts, and `others`.
   void report(const std::vector<Seen>& seen, protocol::SphFacts& facts, nlohmann::ordered_json& others) const;
 
  private:
-  std::uint64_t came_in(const std::vector<Seen>& seen) const;
-
   std::vector<Inlet> inlets_;
   std::vector<scene::Outlet> outlets_;
   Liquid liquid_;

@@ -20,7 +20,7 @@ namespace tandem::sph {
 
 struct LiquidSetup {
   Liquid liquid;
-  scene::Box domain;                // particles must stay in it [m]
+  scene::Box domain;                // particles that leave it are taken out [m]
   particles::Periods periods;       // of the domain
   std::vector<TriangleMesh> walls;  // one per body, in its frame
   std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
@@ -79,11 +79,18 @@ struct StepFigures {
   std::uint64_t passed_walls = 0;   // particles that passed a wall since the start
 };
 
+// Particles that left the domain and were taken out.
+struct LostParticles {
+  std::vector<std::uint32_t> index;  // ascending, as they were numbered before
+  Vec3d momentum;                    // [kg m/s]
+  double energy = 0;                 // kinetic and of compression [J]
+};
+
 class LiquidEngine {
  public:
   virtual ~LiquidEngine() = default;
   // Bodies have the given poses, one per wall mesh. Rates are computed at once, so that loads() belongs to
-  // this state.
+  // this state. Error{numerics} where a particle is outside the domain.
   virtual void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) = 0;
   void set_state(const LiquidState& state) { set_state(state, poses()); }
   virtual LiquidState state() const = 0;
@@ -92,6 +99,9 @@ class LiquidEngine {
   virtual void step(double dt, const std::vector<particles::BodyPose>& poses) = 0;
   void step(double dt) { step(dt, poses()); }
   virtual const std::vector<particles::BodyPose>& poses() const = 0;
+  // Those of the last step() or exchange(), once. Particles outside the domain are found when the lists are
+  // built; the others keep their order. The next step has no step before it, as the first one.
+  virtual LostParticles take_lost() = 0;
   // Takes particles out, by ascending index, and appends those of `arriving`; bodies then have the given
   // poses. Rates are computed at once. The next step has no step before it, as the first one.
   virtual void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,

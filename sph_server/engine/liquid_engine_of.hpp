@@ -73,7 +73,9 @@ class LiquidEngineOf final : public LiquidEngine {
     upload(host);
     set_quanta(std::max(n, setup_.capacity));
     built_ = false;
+    keeps_all_ = true;
     rebuild();
+    keeps_all_ = false;
     // The tension that particles bear follows from what fills their kernels.
     sum_rates();
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
@@ -115,10 +117,13 @@ class LiquidEngineOf final : public LiquidEngine {
     set_poses(poses);
     const Farthest farthest =
         exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data()});
+    lost_ = {};
     const double skin = list_skin * setup_.liquid.spacing;
     if (!(2 * std::sqrt(farthest.squared) + walls_.moved_from(built_poses_) < skin)) rebuild();
     sum_rates();
+    if (!lost_.index.empty()) forget_step_before();
   }
+  LostParticles take_lost() override { return std::exchange(lost_, {}); }
 
   const std::vector<particles::BodyPose>& poses() const override { return walls_.poses(); }
 
@@ -127,6 +132,7 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.damping = damping;
     rates_.properties.gravity = {};
     rates_.walls.continued = false;
+    keeps_all_ = true;
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
@@ -137,6 +143,7 @@ class LiquidEngineOf final : public LiquidEngine {
           poses());
     rates_.properties.gravity = setup_.liquid.gravity;
     rates_.walls.continued = true;
+    keeps_all_ = false;
     advance_.packing_pressure = 0;
     advance_.damping = 1;
   }
@@ -324,11 +331,14 @@ class LiquidEngineOf final : public LiquidEngine {
 
   // The next step has no step before it.
   void begin_steps() {
+    forget_step_before();
+    step_loads_ = loads();
+  }
+  void forget_step_before() {
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
     exec_.copy(memory_.rate[0], memory_.rate[1]);
     use_arrays();
     previous_body_sums_ = body_sums_;
-    step_loads_ = loads();
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
     last_dt_ = 0;
   }
@@ -360,7 +370,8 @@ class LiquidEngineOf final : public LiquidEngine {
     pairs_.quanta = rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
   }
 
-  void rebuild() {
+  // Writes the present positions to `located_`. Strays pass walls since the lists were built.
+  Strays locate_particles() {
     Locate<Real> locate;
     locate.liquid = liquid_;
     locate.centres = centres_;
@@ -375,7 +386,20 @@ class LiquidEngineOf final : public LiquidEngine {
       locate.walls = device_walls_.view();
     }
     const Strays strays = exec_.template reduce<Strays>(count(), locate);
-    if (strays.first_outside < count_) refuse_outside(strays.first_outside);
+    if (strays.first_not_finite < count_)
+      throw Error(ErrorCode::numerics,
+                  "the position or velocity of particle " + std::to_string(strays.first_not_finite) +
+                      " is not finite",
+                  "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
+    return strays;
+  }
+
+  void rebuild() {
+    const Strays strays = locate_particles();
+    if (strays.first_outside < count_) {
+      if (keeps_all_) refuse_outside(strays.first_outside);
+      take_out_lost();
+    }
     figures_.passed_walls += strays.passed;
     std::swap(built_at_, located_);
     build_lists();
@@ -408,6 +432,8 @@ class LiquidEngineOf final : public LiquidEngine {
     use_arrays();
   }
 
+  // See engine/lost.hpp.
+  void take_out_lost();
   // Builds the lists of built_at_ and built_poses_.
   void use_saved_lists();
 
@@ -483,7 +509,10 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<Vec3d> built_at_, located_;  // positions when the lists were built, and for the next lists [m]
   std::vector<particles::BodyPose> built_poses_;
   Buffer<particles::BodyPose> built_pose_;
-  bool built_ = false;  // lists are those of built_at_
+  bool built_ = false;      // lists are those of built_at_
+  bool keeps_all_ = false;  // a particle outside the domain is an error
+  LostParticles lost_;
+  Buffer<std::uint32_t> kept_before_;
   List<Exec, Neighbour> neighbours_;
   List<Exec, std::uint32_t> facets_;
   Buffer<std::uint32_t> particle_, near_count_;

@@ -85,12 +85,20 @@ struct UpdateState {
   }
 };
 
+TANDEM_HD inline bool is_inside(const scene::Box& domain, Vec3d x) {
+  for (int a = 0; a < 3; ++a)
+    if (!(x[a] >= domain.min[a] && x[a] <= domain.max[a])) return false;
+  return true;
+}
+
 // Particles that are where they cannot be.
 struct Strays {
-  std::uint32_t first_outside = ~0u;  // of the domain
-  std::uint32_t passed = 0;           // a wall
+  std::uint32_t first_outside = ~0u;     // of the domain
+  std::uint32_t first_not_finite = ~0u;  // position or velocity
+  std::uint32_t passed = 0;              // a wall
   TANDEM_HD void add(const Strays& b) {
     if (b.first_outside < first_outside) first_outside = b.first_outside;
+    if (b.first_not_finite < first_not_finite) first_not_finite = b.first_not_finite;
     passed += b.passed;
   }
 };
@@ -108,11 +116,13 @@ struct Locate {
   const particles::BodyPose* built_pose = nullptr;
   ListView<std::uint32_t> facets;
   WallsView walls;
+  static constexpr double largest2 = 1e300;  // beyond it squares are not finite
 
   TANDEM_HD void operator()(std::uint32_t i, Strays& strays) const {
     x[i] = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    for (int a = 0; a < 3; ++a)
-      if (!(x[i][a] >= domain.min[a] && x[i][a] <= domain.max[a])) strays.add({i, 0});
+    const double size2 = norm2(x[i]) + norm2(particles::velocity_of(liquid.velocity[i], liquid.fine_part(i)));
+    if (!(size2 < largest2)) strays.add({.first_not_finite = i});
+    if (!is_inside(domain, x[i])) strays.add({.first_outside = i});
     if (built_at == nullptr) return;
     const Vec3d now = built_at[i] + periods.shortest(x[i] - built_at[i]);
     for (std::uint32_t n = facets.start[i]; n < facets.start[i + 1]; ++n)
