@@ -26,7 +26,7 @@ struct Liquid {
   double density = 0;    // [kg/m3]
   double viscosity = 0;  // dynamic [Pa s]
   // Speed of sound of the computation [m/s]; absent: ten times the largest of `expected_speed`, of `velocity`
-  // and of the speed of a fall through the depth at the start.
+  // relative to the vessel and of the speed of a fall through the depth at the start.
   std::optional<double> sound_speed;
   double expected_speed = 0;        // largest speed that the run is expected to have [m/s]
   double artificial_viscosity = 0;  // alpha of Monaghan's artificial viscosity [-]
@@ -34,7 +34,7 @@ struct Liquid {
   // At the start: boxes along the world's axes whose edges are whole numbers of spacings, and insides of
   // walls.
   std::vector<std::variant<Box, LiquidInside>> fill;  // may be empty where there are inlets
-  Vec3d velocity;                                     // at the start [m/s]
+  std::optional<Vec3d> velocity;                      // at the start [m/s]; absent: that of the vessel
   StartPressure pressure = StartPressure::hydrostatic;
 };
 

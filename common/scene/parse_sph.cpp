@@ -15,7 +15,7 @@ Liquid parse_liquid(const Node& node) {
   if (liquid.sound_speed && node.has("expected_speed"))
     node.fail("expected_speed", "the speed of sound is given, and expected_speed is for choosing it",
               "leave one of them out");
-  node.read("velocity", liquid.velocity);
+  if (node.has("velocity")) node.read("velocity", liquid.velocity.emplace());
   if (node.has("pressure") && node.value().at("pressure") == "zero") liquid.pressure = StartPressure::zero;
   node.read("shifting", liquid.shifting);
   for (const Node& from : node.elements("fill")) {

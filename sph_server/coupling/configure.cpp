@@ -56,6 +56,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   start.setup.threads = configuration.threads;
   const std::vector<BodyWalls>& walls = start.walls;
   properties_ = start.setup.liquid;
+  vessel_ = start.setup.vessel;
   for (const BodyWalls& body : walls) {
     double extent = 0;
     for (const Vec3d& vertex : body.mesh.vertices) extent = std::max(extent, norm(vertex));
@@ -127,6 +128,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   others["spacing_m"] = properties_.spacing;
   others["mass_kg"] = mass();
   others["depth_m"] = start.depth;
+  others["vessel"] = scene_.body_name(start.vessel);
   others["sound_speed_by"] = liquid.sound_speed ? "scene" : "rule";
   others["setup_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   log::info(

@@ -60,6 +60,28 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
         particles::prepare_path(segment_of(body, motion), motion.window.length(), body.name.c_str()));
 }
 
+// At the start only the multibody solver knows the velocities that joints give to bodies: the first step has
+// those of the first motion, and a liquid without a velocity of its own has that of its vessel.
+void Solver::start_moving() {
+  std::vector<particles::BodyPose> poses = engine_->poses();
+  bool same = true;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (bodies_[b].body == ground) continue;
+    const particles::BodyPose begin = pose_on_path(paths_[b], 0);
+    same = same && begin.v == poses[b].v && begin.w == poses[b].w;
+    poses[b].v = begin.v;
+    poses[b].w = begin.w;
+  }
+  if (same) return;
+  LiquidState state = engine_->state();
+  if (vessel_ && !scene_.sph->liquids.front().velocity)
+    state.velocity.assign(state.size(), vessel_->velocity(poses[vessel_->wall]));
+  if (state.size() > 0) engine_->set_state(state, poses);
+  const EnergyBalance energies = engine_->energies();
+  memory_.energy_start = energies.kinetic + energies.compression;
+  memory_.energy_scale = memory_.energy_start;
+}
+
 void Solver::take_step(double dt) {
   try {
     engine_->step(dt, poses_);
@@ -79,6 +101,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
                     length, steps, step_at_rest(), most_steps),
         "motion", "send windows no longer than those of the scene");
   set_paths(motion);
+  if (memory_.micro_steps == 0) start_moving();
   watch_walls();
   loads_.window = motion.window;
   loads_.bodies.assign(bodies_loaded_, {});

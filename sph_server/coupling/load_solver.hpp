@@ -63,6 +63,9 @@ class Solver final : public protocol::LoadSolver {
   double step_at_rest() const;  // [s]
   // The next step that the present state allows, of `left` seconds of a window [s].
   double next_step(double left) const;
+  void start_moving();
+  // Velocity of the vessel at a part `at` of the window [m/s].
+  Vec3d frame_velocity(double at) const;
   void set_paths(const protocol::MotionSet& motion);
   void watch_walls();
   std::string sentence_of_walls() const;
@@ -85,6 +88,7 @@ class Solver final : public protocol::LoadSolver {
 
   scene::Scene scene_;
   Liquid properties_;
+  std::optional<Vessel> vessel_;
   std::unique_ptr<LiquidEngine> engine_;
   // Of each mesh of walls, see walls_of_bodies(), and of each piston of an inlet: its body, and the place of
   // that in the loads.

@@ -16,14 +16,19 @@
 
 namespace tandem::sph {
 
+Vec3d Solver::frame_velocity(double at) const {
+  return vessel_ ? vessel_->velocity(pose_on_path(paths_[vessel_->wall], at)) : Vec3d{};
+}
+
 void Solver::watch_walls() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (bodies_[b].body == ground) continue;
+    if (bodies_[b].body == ground && !vessel_) continue;
     for (const double at : {0.0, 1.0}) {
       const particles::BodyPose pose = pose_on_path(paths_[b], at);
-      const double bound = norm(pose.v) + bodies_[b].extent * norm(pose.w);
+      const Vec3d frame = frame_velocity(at);
+      const double bound = norm(pose.v - frame) + bodies_[b].extent * norm(pose.w);
       if (bound > std::max(memory_.wall_speed, largest_mach * properties_.sound_speed))
-        memory_.wall_speed = std::max(memory_.wall_speed, largest_wall_speed(pose, corners_[b], {}));
+        memory_.wall_speed = std::max(memory_.wall_speed, largest_wall_speed(pose, corners_[b], frame));
     }
   }
   if (memory_.wall_speed > largest_mach * properties_.sound_speed && !std::exchange(warned_walls_, true))
@@ -39,7 +44,8 @@ std::string Solver::sentence_of_walls() const {
 
 std::string Solver::sentence_of_lost() const {
   return fmt::format(
-      "{} particles of the liquid, {:.3g} kg, have left the domain and were taken out: enlarge sph.domain, or "
+      "{} particles of the liquid, {:.3g} kg, have left the domain and were taken out: enlarge sph.domain, "
+      "or "
       "use sph.outlets where they are meant to leave",
       memory_.lost, static_cast<double>(memory_.lost) * properties_.mass());
 }
@@ -82,9 +88,8 @@ void Solver::watch_limits() {
 void Solver::watch_energy() {
   const EnergyBalance e = engine_->energies();
   const double energy = e.kinetic + e.compression;
-  memory_.energy_residual =
-      energy - memory_.energy_start - e.changes() - memory_.energy_came + memory_.energy_went +
-      memory_.energy_lost;
+  memory_.energy_residual = energy - memory_.energy_start - e.changes() - memory_.energy_came +
+                            memory_.energy_went + memory_.energy_lost;
   double scale = energy + memory_.energy_came + memory_.energy_went + memory_.energy_lost;
   for (const double change :
        {e.gravity, e.viscosity, e.bulk_viscosity, e.diffusion, e.cavitation, e.ghost, e.repulsion, e.walls})

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,12 +19,23 @@
 
 namespace tandem::sph {
 
+// A body relative to which speeds are measured: a liquid that moves with it is at rest.
+struct Vessel {
+  std::uint32_t wall = 0;  // index in LiquidSetup::walls
+  Vec3d middle;            // of its walls, in its frame [m]
+
+  // Of the middle, where the body has this pose [m], [m/s].
+  Vec3d position(const particles::BodyPose& pose) const { return pose.p + pose.R * middle; }
+  Vec3d velocity(const particles::BodyPose& pose) const { return pose.v + cross(pose.w, pose.R * middle); }
+};
+
 struct LiquidSetup {
   Liquid liquid;
   scene::Box domain;                // particles that leave it are taken out [m]
   particles::Periods periods;       // of the domain
   std::vector<TriangleMesh> walls;  // one per body, in its frame
   std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
+  std::optional<Vessel> vessel;     // none: speeds are those in the world
   particles::Backend backend = particles::Backend::cpu;
   unsigned threads = 1;  // of the CPU; 0: see particles::ThreadPool
   // Particles that there may be where some come in later, for the range of sums; 0: those of the start.
@@ -71,7 +83,7 @@ struct LiquidTotals {
 };
 
 struct StepFigures {
-  double largest_speed = 0;         // [m/s]
+  double largest_speed = 0;         // relative to the vessel [m/s]
   double largest_acceleration = 0;  // [m/s2]
   double largest_compression = 0;   // largest |rho/rho0 - 1|: some 0.01 where the sound speed suffices [-]
   Vec3d pair_impulse_rate;          // sum of all pair forces [N]: zero

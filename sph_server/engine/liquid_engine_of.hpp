@@ -115,11 +115,13 @@ class LiquidEngineOf final : public LiquidEngine {
     previous_body_sums_ = body_sums_;
     last_dt_ = dt;
     set_poses(poses);
+    const Vec3d drift = drift_since(built_poses_);
     const Farthest farthest =
-        exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data()});
+        exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data(), drift});
     lost_ = {};
     const double skin = list_skin * setup_.liquid.spacing;
-    if (!(2 * std::sqrt(farthest.squared) + walls_.moved_from(built_poses_) < skin)) rebuild();
+    if (!(2 * std::sqrt(farthest.squared) + walls_.moved_from(displaced(built_poses_, drift)) < skin))
+      rebuild();
     sum_rates();
     if (!lost_.index.empty()) forget_step_before();
   }
@@ -164,7 +166,8 @@ class LiquidEngineOf final : public LiquidEngine {
                       scene::rounded(figures_.largest_speed) + " m/s, and one a density that is off by " +
                       scene::rounded(figures_.largest_compression),
                   "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
-    const TotalQuanta q = TotalQuanta::of(count_, figures_.largest_speed, figures_.largest_compression);
+    const TotalQuanta q = TotalQuanta::of(count_, figures_.largest_speed + norm(frame_velocity()),
+                                          figures_.largest_compression);
     const Totals t = exec_.template reduce<Totals>(count(), AddTotals<Real>{liquid_, q});
     LiquidTotals all;
     for (int a = 0; a < 3; ++a) all.momentum[a] = l.mass() * particles::from_fixed(t.momentum[a], q.velocity);
@@ -275,6 +278,22 @@ class LiquidEngineOf final : public LiquidEngine {
   void set_poses(const std::vector<particles::BodyPose>& poses) {
     poses_ = poses;
     place_walls(poses);
+  }
+
+  // Velocity of the vessel [m/s].
+  Vec3d frame_velocity() const {
+    return setup_.vessel ? setup_.vessel->velocity(walls_.poses()[setup_.vessel->wall]) : Vec3d{};
+  }
+  // How far the vessel has moved since it had these poses [m]: lists stay valid while nothing moves relative
+  // to it.
+  Vec3d drift_since(const std::vector<particles::BodyPose>& poses_then) const {
+    if (!setup_.vessel) return {};
+    const Vessel& vessel = *setup_.vessel;
+    return vessel.position(walls_.poses()[vessel.wall]) - vessel.position(poses_then[vessel.wall]);
+  }
+  static std::vector<particles::BodyPose> displaced(std::vector<particles::BodyPose> poses, Vec3d by) {
+    for (particles::BodyPose& pose : poses) pose.p += by;
+    return poses;
   }
 
   Wrench wrench_of(const BodySum& s) const {
@@ -471,6 +490,7 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.sum_over_lanes(count(), pairs_);
     if (walls_.bodies() > 0) exec_.for_each(count(), place_);
     exec_.for_each(facets_.total, see_);
+    rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
     Tally sum = exec_.template reduce<Tally>(count(), rates_, body_sums_);
     if (walls_.bodies() > 1) {

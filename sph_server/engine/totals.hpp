@@ -54,7 +54,7 @@ struct AddTotals {
   }
 };
 
-// How far particles are from where they were when the lists were built.
+// How far particles are from where they were when the lists were built, relative to the vessel.
 struct Farthest {
   double squared = 0;  // [m2]
   // A value that is not a number remains: such a position is refused when the lists are built.
@@ -67,12 +67,13 @@ template <class Real>
 struct Move {
   Advance<Real> advance;
   const Vec3d* built_at = nullptr;  // [m]
+  Vec3d drift;                      // of the vessel since then [m]
 
   TANDEM_HD void operator()(std::uint32_t i, Farthest& farthest) const {
     advance(i);
     const Vec3d x = advance.centres.metres(
         advance.centres.joined(advance.liquid.position[i], advance.liquid.fine_part(i)));
-    farthest.add({norm2(advance.periods.shortest(x - built_at[i]))});
+    farthest.add({norm2(advance.periods.shortest(x - built_at[i] - drift))});
   }
 };
 // From particle `first` on.

@@ -83,7 +83,7 @@ TEST(Sph, IsRead) {
   ASSERT_TRUE(scene.sph && scene.sph->liquids.size() == 1);
   const Liquid& liquid = scene.sph->liquids[0];
   EXPECT_EQ(liquid.density, 1000);
-  EXPECT_EQ(liquid.velocity.x, 1);
+  EXPECT_EQ(liquid.velocity.value().x, 1);
   EXPECT_EQ(liquid.expected_speed, 3);
   EXPECT_FALSE(liquid.sound_speed);
   EXPECT_EQ(liquid.pressure, StartPressure::zero);

@@ -110,7 +110,8 @@ TEST(Lost, LayersOfAFallingBlockLeaveWhenAFreeFallReachesTheEnd) {
         lost = run.advance().account.lost_particles;
       }
       while (to_seconds(run.now) < found) lost = run.advance().account.lost_particles;
-      EXPECT_EQ(lost, static_cast<std::uint64_t>(16 * (layer + 1))) << precision << " at " << to_seconds(run.now);
+      EXPECT_EQ(lost, static_cast<std::uint64_t>(16 * (layer + 1)))
+          << precision << " at " << to_seconds(run.now);
       EXPECT_EQ(run.solver->observe().id.size(), 96 - lost);
       momentum -= 16 * particle_mass * g * last;
       energy += 16 * particle_mass * g * fall;
