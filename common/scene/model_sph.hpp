@@ -90,6 +90,7 @@ struct Sph {
   std::optional<double> micro_step;  // longest step [s]; absent: that of the rule (docs/liquid.md)
   std::vector<Wall> walls;           // without materials
   Box domain;                        // particles that leave it are taken out
+  std::optional<BodyId> follows;     // the domain is translated with this body, and the outlets with it
   std::vector<LiquidPair> pairs;     // each body at most once
   std::vector<LiquidSensor> sensors;
   std::vector<LiquidInlet> inlets;

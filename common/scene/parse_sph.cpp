@@ -135,6 +135,7 @@ Sph parse_sph(const Node& node, const Names& bodies) {
   const Node domain = node.at("domain");
   domain.read("min", sph.domain.min);
   domain.read("max", sph.domain.max);
+  if (domain.has("follows")) sph.follows = BodyId{domain.resolve("follows", bodies, "bodies")};
   if (domain.has("periodic"))
     for (const auto& axis : domain.value().at("periodic"))
       sph.periodic[static_cast<std::size_t>(axis.get<std::string>()[0] - 'x')] = true;

@@ -57,6 +57,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const std::vector<BodyWalls>& walls = start.walls;
   properties_ = start.setup.liquid;
   vessel_ = start.setup.vessel;
+  follows_ = start.setup.follows;
+  follows_from_ = start.setup.follows_from;
   for (const BodyWalls& body : walls) {
     double extent = 0;
     for (const Vec3d& vertex : body.mesh.vertices) extent = std::max(extent, norm(vertex));

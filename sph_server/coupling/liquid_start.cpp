@@ -127,6 +127,11 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   check_inlets(start.inlets, start.walls, start.poses, sph.spacing, start.insides,
                start.insides.empty() ? Vec3d{} : -1.0 / norm(scene.gravity) * scene.gravity);
   start.setup.domain = sph.domain;
+  if (sph.follows) {
+    const auto of = std::ranges::find(start.walls, *sph.follows, &BodyWalls::body);
+    start.setup.follows = static_cast<std::uint32_t>(of - start.walls.begin());
+    start.setup.follows_from = start.poses[*start.setup.follows].p;
+  }
   start.setup.periods = periods_of(sph);
   measure_columns(scene, start.setup, start.poses, start.insides, start.sites);
   start.depth = start.sites.deepest();

@@ -111,7 +111,8 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   account.momentum_begin = engine_->momentum();
   account.lost_momentum = {};
   const std::size_t at_begin = id_.size();
-  record(traffic_.drain(*engine_, id_, passed_));
+  const Vec3d domain_shift = follows_ ? engine_->poses()[*follows_].p - follows_from_ : Vec3d{};
+  record(traffic_.drain(*engine_, domain_shift, id_, passed_));
   record_lost(to_seconds(motion.window.begin));
   previous_poses_ = engine_->poses();
   std::uint64_t steps = 0;

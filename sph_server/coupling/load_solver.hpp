@@ -89,6 +89,8 @@ class Solver final : public protocol::LoadSolver {
   scene::Scene scene_;
   Liquid properties_;
   std::optional<Vessel> vessel_;
+  std::optional<std::uint32_t> follows_;  // see LiquidSetup
+  Vec3d follows_from_;                    // [m]
   std::unique_ptr<LiquidEngine> engine_;
   // Of each mesh of walls, see walls_of_bodies(), and of each piston of an inlet: its body, and the place of
   // that in the loads.

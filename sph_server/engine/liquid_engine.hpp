@@ -31,8 +31,11 @@ struct Vessel {
 
 struct LiquidSetup {
   Liquid liquid;
-  scene::Box domain;                // particles that leave it are taken out [m]
-  particles::Periods periods;       // of the domain
+  scene::Box domain;           // particles that leave it are taken out [m]
+  particles::Periods periods;  // of the domain
+  // The domain is displaced with this one of `walls`; none: it stays.
+  std::optional<std::uint32_t> follows;
+  Vec3d follows_from;               // where the origin of that body is at the start [m]
   std::vector<TriangleMesh> walls;  // one per body, in its frame
   std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
   std::optional<Vessel> vessel;     // none: speeds are those in the world

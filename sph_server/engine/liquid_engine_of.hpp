@@ -41,7 +41,7 @@ class LiquidEngineOf final : public LiquidEngine {
     double farthest = 0;
     for (int a = 0; a < 3; ++a)
       farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
-    centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, 4);
+    centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, setup.follows ? 10 : 4);
     pairs_.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
     place_.support = setup.liquid.support();
@@ -284,6 +284,22 @@ class LiquidEngineOf final : public LiquidEngine {
   Vec3d frame_velocity() const {
     return setup_.vessel ? setup_.vessel->velocity(walls_.poses()[setup_.vessel->wall]) : Vec3d{};
   }
+  Vec3d domain_shift() const {
+    return setup_.follows ? walls_.poses()[*setup_.follows].p - setup_.follows_from : Vec3d{};
+  }
+  scene::Box domain_now() const {
+    const Vec3d shift = domain_shift();
+    const scene::Box now{setup_.domain.min + shift, setup_.domain.max + shift};
+    if (setup_.follows)
+      for (int a = 0; a < 3; ++a)
+        for (const double end : {now.min[a], now.max[a]})
+          if (!(std::fabs(end) <= centres_.range()))
+            throw Error(ErrorCode::numerics,
+                        "the domain has followed its body to " + scene::rounded(end) +
+                            " m, and mixed precision counts to " + scene::rounded(centres_.range()) + " m",
+                        "sph.domain.follows", "use \"precision\": \"double\"");
+    return now;
+  }
   // How far the vessel has moved since it had these poses [m]: lists stay valid while nothing moves relative
   // to it.
   Vec3d drift_since(const std::vector<particles::BodyPose>& poses_then) const {
@@ -395,7 +411,7 @@ class LiquidEngineOf final : public LiquidEngine {
     locate.liquid = liquid_;
     locate.centres = centres_;
     locate.periods = setup_.periods;
-    locate.domain = setup_.domain;
+    locate.domain = domain_now();
     locate.x = located_.data();
     if (built_) {
       exec_.upload(built_pose_, std::span<const particles::BodyPose>(built_poses_));
@@ -430,9 +446,14 @@ class LiquidEngineOf final : public LiquidEngine {
   // The lists of the positions in built_at_.
   void build_lists() {
     if (grid_.total == 0) {
-      grid_ = particles::make_cell_grid(setup_.domain, setup_.periods, reach_, particles::most_cells(count_));
+      scene::Box domain = setup_.domain;
+      // Where it is displaced, positions beside its end must not be rounded into a cell beyond the last.
+      if (setup_.follows) domain.max += 1e-3 * reach_ * Vec3d{1, 1, 1};
+      grid_ = particles::make_cell_grid(domain, setup_.periods, reach_, particles::most_cells(count_));
       cell_start_.resize(std::size_t{grid_.total} + 2);
+      grid_origin_ = grid_.origin;
     }
+    grid_.origin = grid_origin_ + domain_shift();
     for (auto* array : {&key_, &scratch_, &in_cell_, &near_count_}) exec_.grow(*array, count_);
     exec_.sort_into_cells(count(), grid_.total, CellOfParticle{grid_, built_at_.data()}, key_.data(),
                           scratch_.data(), cell_start_, in_cell_);
@@ -525,6 +546,7 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<PairSums<Real, shifting>> sums_;
   // Lists, and what they were built from.
   particles::CellGrid grid_;
+  Vec3d grid_origin_;  // where the domain is at the start [m]
   Buffer<std::uint32_t> key_, scratch_, cell_start_, in_cell_;
   Buffer<Vec3d> built_at_, located_;  // positions when the lists were built, and for the next lists [m]
   std::vector<particles::BodyPose> built_poses_;

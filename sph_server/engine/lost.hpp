@@ -44,7 +44,7 @@ template <class Exec, class Real, bool shifting>
 void LiquidEngineOf<Exec, Real, shifting>::take_out_lost() {
   exec_.grow(kept_before_, count_ + 1);
   exec_.zero(kept_before_, count_ + 1);
-  exec_.for_each(count(), MarkInside{setup_.domain, located_.data(), kept_before_.data()});
+  exec_.for_each(count(), MarkInside{domain_now(), located_.data(), kept_before_.data()});
   exec_.exclusive_sum(kept_before_, count() + 1);
   std::vector<std::uint32_t> before(count_ + 1);
   exec_.download(kept_before_, std::span(before));
