@@ -420,18 +420,17 @@ class LiquidEngineOf final : public LiquidEngine {
       locate.facets = facets_.view();
       locate.walls = device_walls_.view();
     }
-    const Strays strays = exec_.template reduce<Strays>(count(), locate);
-    if (strays.first_not_finite < count_)
-      throw Error(ErrorCode::numerics,
-                  "the position or velocity of particle " + std::to_string(strays.first_not_finite) +
-                      " is not finite",
-                  "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
-    return strays;
+    return exec_.template reduce<Strays>(count(), locate);
   }
 
   void rebuild() {
     const Strays strays = locate_particles();
     if (strays.first_outside < count_) {
+      if (strays.first_not_finite < count_)
+        throw Error(ErrorCode::numerics,
+                    "the liquid flies apart: the position or velocity of particle " +
+                        std::to_string(strays.first_not_finite) + " is not finite",
+                    "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
       if (keeps_all_) refuse_outside(strays.first_outside);
       take_out_lost();
     }
