@@ -123,18 +123,34 @@ Found compare_list(const char* what, const std::vector<T>& a, const std::vector<
   return compare_count(what, a.size(), b.size());
 }
 
+// "sphere 7: radius", of value i of a list with `width` values of each sphere.
+std::string place_of(const char* what, const std::vector<std::uint32_t>& id, std::size_t i, std::size_t width,
+                     const char* field) {
+  const std::size_t index = i / width;
+  return std::string(what) + " " + (index < id.size() ? std::to_string(id[index]) : "?") + ": " + field;
+}
+
 // Values of spheres, `width` of each.
 template <class T>
 Found compare_spheres(const char* field, const std::vector<std::uint32_t>& id, const std::vector<T>& a,
                       const std::vector<T>& b, std::size_t width) {
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
     if (same_bits(a[i], b[i])) continue;
-    const std::size_t sphere = i / width;
-    std::string place = "sphere " + (sphere < id.size() ? std::to_string(id[sphere]) : "?") + ": " + field;
+    std::string place = place_of("sphere", id, i, width, field);
     if (width == 3) place += std::string(".") + "xyz"[i % 3];
     return compare(place, a[i], b[i]);
   }
   return compare_count(field, a.size(), b.size());
+}
+
+Found compare_liquid(const std::vector<std::uint32_t>& id, const std::vector<float>& a,
+                     const std::vector<float>& b) {
+  constexpr std::size_t width = ParticlesFrame::liquid_values;
+  static_assert(width == 2);
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    if (!same_bits(a[i], b[i]))
+      return compare(place_of("particle", id, i, width, i % width == 0 ? "pressure" : "density"), a[i], b[i]);
+  return compare_count("values of the liquid", a.size(), b.size());
 }
 
 Found compare_columns(const std::string& column, const std::vector<double>& a, const std::vector<double>& b) {
@@ -178,6 +194,7 @@ Found compare_payload(const ParticlesFrame& a, const ParticlesFrame& b) {
   if (Found found = compare_spheres("radius", b.id, a.radius, b.radius, 1)) return found;
   if (Found found = compare_spheres("contacts", b.id, a.contacts, b.contacts, ParticlesFrame::contact_values))
     return found;
+  if (Found found = compare_liquid(b.id, a.liquid, b.liquid)) return found;
   if (Found found = compare_columns("value of walls", a.walls, b.walls)) return found;
   return compare_columns("value of the contacts of bodies", a.of_bodies, b.of_bodies);
 }

@@ -173,12 +173,16 @@ std::string with_unit(const std::string& type, const Line& line) {
 }
 
 // A part of nothing, or one that is larger than the whole.
-void expect_part(Role role, const std::optional<fact::Count>& part, const char* part_key,
-                 const std::optional<fact::Count>& whole, const char* whole_key) {
+template <class Type>
+void expect_part(Role role, const std::optional<Type>& part, const char* part_key,
+                 const std::optional<Type>& whole, const char* whole_key) {
+  // Numbers are sums in any order.
+  constexpr double rounding = std::is_same_v<Type, fact::Number> ? 1e-9 : 0;
   if (!part || !whole || *part <= *whole) return;
+  if (static_cast<double>(*part - *whole) <= rounding * static_cast<double>(*whole)) return;
   throw ProtocolError(Violation::bad_fact,
-                      "the fact \"" + std::string(part_key) + "\" is " + std::to_string(*part) + ", and \"" +
-                          whole_key + "\", of which it is a part, " + std::to_string(*whole),
+                      "the fact \"" + std::string(part_key) + "\" is " + Json(*part).dump() + ", and \"" +
+                          whole_key + "\", of which it is a part, " + Json(*whole).dump(),
                       name(role), "docs/protocol.md has the meaning of each fact");
 }
 void expect_possible(const MbdFacts& facts) {
@@ -191,7 +195,9 @@ void expect_possible(const DemFacts& facts) {
   expect_part(Role::dem, facts.went_out, "went_out", facts.spheres, "spheres");
 }
 
-void expect_possible(const SphFacts&) {}
+void expect_possible(const SphFacts& facts) {
+  expect_part(Role::sph, facts.lost, "lost_kg", facts.mass_in_all, "mass_in_all_kg");
+}
 
 template <class Facts>
 void decode(Role role, const Json& sent, Facts& facts) {

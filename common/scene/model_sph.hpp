@@ -26,7 +26,7 @@ struct Liquid {
   double density = 0;    // [kg/m3]
   double viscosity = 0;  // dynamic [Pa s]
   // Speed of sound of the computation [m/s]; absent: ten times the largest of `expected_speed`, of `velocity`
-  // and of the speed of a fall through the depth at the start.
+  // relative to the vessel and of the speed of a fall through the depth at the start.
   std::optional<double> sound_speed;
   double expected_speed = 0;        // largest speed that the run is expected to have [m/s]
   double artificial_viscosity = 0;  // alpha of Monaghan's artificial viscosity [-]
@@ -34,7 +34,7 @@ struct Liquid {
   // At the start: boxes along the world's axes whose edges are whole numbers of spacings, and insides of
   // walls.
   std::vector<std::variant<Box, LiquidInside>> fill;  // may be empty where there are inlets
-  Vec3d velocity;                                     // at the start [m/s]
+  std::optional<Vec3d> velocity;                      // at the start [m/s]; absent: that of the vessel
   StartPressure pressure = StartPressure::hydrostatic;
 };
 
@@ -89,7 +89,8 @@ struct Sph {
   LiquidPrecision precision = LiquidPrecision::mixed;
   std::optional<double> micro_step;  // longest step [s]; absent: that of the rule (docs/liquid.md)
   std::vector<Wall> walls;           // without materials
-  Box domain;                        // a particle that leaves it ends the run
+  Box domain;                        // particles that leave it are taken out
+  std::optional<BodyId> follows;     // the domain is translated with this body, and the outlets with it
   std::vector<LiquidPair> pairs;     // each body at most once
   std::vector<LiquidSensor> sensors;
   std::vector<LiquidInlet> inlets;

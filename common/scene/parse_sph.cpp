@@ -15,7 +15,7 @@ Liquid parse_liquid(const Node& node) {
   if (liquid.sound_speed && node.has("expected_speed"))
     node.fail("expected_speed", "the speed of sound is given, and expected_speed is for choosing it",
               "leave one of them out");
-  node.read("velocity", liquid.velocity);
+  if (node.has("velocity")) node.read("velocity", liquid.velocity.emplace());
   if (node.has("pressure") && node.value().at("pressure") == "zero") liquid.pressure = StartPressure::zero;
   node.read("shifting", liquid.shifting);
   for (const Node& from : node.elements("fill")) {
@@ -135,6 +135,7 @@ Sph parse_sph(const Node& node, const Names& bodies) {
   const Node domain = node.at("domain");
   domain.read("min", sph.domain.min);
   domain.read("max", sph.domain.max);
+  if (domain.has("follows")) sph.follows = BodyId{domain.resolve("follows", bodies, "bodies")};
   if (domain.has("periodic"))
     for (const auto& axis : domain.value().at("periodic"))
       sph.periodic[static_cast<std::size_t>(axis.get<std::string>()[0] - 'x')] = true;

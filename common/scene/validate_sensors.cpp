@@ -112,7 +112,7 @@ void validate_liquid_sensors(const Scene& scene, const std::string& origin) {
     if (sensor.kind == Kind::level && !sensor.axis && norm(scene.gravity) == 0)
       fail(origin, path, "no line follows: there is no gravity against which a level would be measured",
            "give an axis");
-    if (sensor.body == ground)
+    if (sensor.body == ground && !sph.follows)
       require_in_domain(sensor, sensor.kind == Kind::region ? bounding_radius(sensor) : 0, sph.domain, "sph",
                         sensor.kind == Kind::region ? "the region" : "the point", "liquid", origin, path);
   }

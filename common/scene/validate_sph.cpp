@@ -75,6 +75,25 @@ double particles_in(const Box& box, double spacing) {
   return count;
 }
 
+// What a domain that follows a body requires.
+void validate_moving_liquid(const Scene& scene, const std::string& origin) {
+  const Sph& sph = *scene.sph;
+  const BodyId followed = *sph.follows;
+  const std::string path = "sph.domain.follows", name = "'" + scene.body_name(followed) + "'";
+  if (std::ranges::any_of(sph.periodic, [](bool axis) { return axis; }))
+    fail(origin, path, "a periodic domain cannot follow a body", "leave out periodic or follows");
+  if (std::ranges::none_of(sph.walls, [&](const Wall& wall) { return wall.body == followed; }))
+    fail(origin, path, "the body " + name + " carries no wall of the liquid",
+         "the solver of the liquid knows where bodies with walls are: name one of those");
+  if (!sph.inlets.empty())
+    fail(origin, path, "inlets are on the ground, and the domain leaves it", "leave out inlets or follows");
+  for (const Wall& wall : sph.walls)
+    if (std::holds_alternative<PlaneShape>(wall.shape) && wall.body != followed)
+      fail(origin, path,
+           "the plane '" + wall.name + "' ends where the domain is at the start, and is not on " + name,
+           "give it as a box or a mesh that reaches along the whole way, or leave out follows");
+}
+
 }  // namespace
 
 void validate_sph(const Scene& scene, const std::string& origin) {
@@ -89,6 +108,7 @@ void validate_sph(const Scene& scene, const std::string& origin) {
          "the micro step of " + text(*sph.micro_step) + " s is longer than the window of " +
              text(scene.coupling.window) + " s",
          "a window holds whole steps");
+  if (sph.follows) validate_moving_liquid(scene, origin);
   const Liquid& liquid = sph.liquids.front();
   const std::string path = element("sph.liquids", 0);
   validate_density(liquid.density, origin, path);

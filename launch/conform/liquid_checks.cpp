@@ -52,7 +52,8 @@ void liquid_flight(Examination& e) {
     given += loads.account.gravity_impulse;
   }
   const double mass = mass_of_liquid(e);
-  const Vec3d start = mass * liquid_of(e).velocity, impulse = (session->time() * mass) * e.scene().gravity;
+  const Vec3d start = mass * liquid_of(e).velocity.value_or(Vec3d{}),
+              impulse = (session->time() * mass) * e.scene().gravity;
   e.compare("momentum at the start", begin, start, 1e-6 * norm(start), "kg m/s");
   e.compare("impulse of gravity in the account", given, impulse, 1e-6 * norm(impulse), "N s");
   e.compare("momentum got", loads.account.momentum_end - begin, impulse, 1e-5 * norm(impulse), "N s");
@@ -153,7 +154,7 @@ void liquid_outlet(Examination& e) {
   const auto session = e.open();
   const ParticlesFrame start = session->particles();
   const double mass = mass_of_particle(e), layer = 36 * mass;
-  const Vec3d v = liquid_of(e).velocity;
+  const Vec3d v = liquid_of(e).velocity.value_or(Vec3d{});
   const Vec3d half = gone_in_windows(e, *session, 100);
   const auto left =
       static_cast<double>(start.id.size()) - static_cast<double>(session->particles().id.size());

@@ -365,13 +365,15 @@ void Run::write_checkpoint() {
 // then, and where it does not report it at all.
 std::uint64_t Run::spheres_there() const {
   if (scene_.sph && !(scene_.sph->inlets.empty() && scene_.sph->outlets.empty())) return 0;
-  if (scene_.sph) return scene_.dem ? 0 : summary_.facts().sph.particles.value_or(0);
+  const auto left = [&](std::uint64_t all) {
+    const std::uint64_t lost = coupler_->accounts().particles().account().lost_particles;
+    return all > lost ? all - lost : 0;
+  };
+  if (scene_.sph) return scene_.dem ? 0 : left(summary_.facts().sph.particles.value_or(0));
   if (!scene_.dem || !scene_.dem->outlets.empty()) return 0;
   for (const scene::ParticleGroup& group : scene_.dem->particles)
     if (std::holds_alternative<scene::InletFill>(group.fill)) return 0;
-  const std::uint64_t spheres = summary_.facts().dem.spheres.value_or(0),
-                      lost = coupler_->accounts().particles().account().lost_particles;
-  return spheres > lost ? spheres - lost : 0;
+  return left(summary_.facts().dem.spheres.value_or(0));
 }
 
 // Writes the course of the run so far into the summary.

@@ -394,6 +394,7 @@ std::string Summary::table() const {
     liquid_row("liquid Mach number", "mach", "");
     liquid_row("liquid came in", "came_in", " particles");
     liquid_row("liquid went out", "went_out", " particles");
+    if (facts_.sph.lost.value_or(0) > 0) liquid_row("liquid lost", "lost_kg", " kg");
   }
   if (dem.spheres > 0 || number("lost_particles") > 0) number_row("lost particles", "lost_particles", "");
   if (dem.came_in) row("came in", fmt::format("{} spheres", *dem.came_in));

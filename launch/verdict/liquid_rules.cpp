@@ -72,6 +72,22 @@ void add_liquid_rules(std::vector<Rule>& table) {
                          f.value, faster_sound(run, 1.5));
                    }});
   table.push_back(
+      {"lost_liquid", "sph.lost_kg / sph.mass_in_all_kg", 0.001,
+       "particles of the liquid that leave `sph.domain` are taken out; where they are meant to leave, use an "
+       "outlet",
+       "a larger domain, or an outlet", nullptr,
+       [](const RunFigures& run) -> Figures {
+         const auto lost = run.facts.sph.lost, all = run.facts.sph.mass_in_all;
+         if (!lost || !all) return std::nullopt;
+         return of_liquid(*lost == 0 ? 0 : *lost / *all);
+       },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "{:.3g} of {:.3g} kg of the liquid left the domain, a share of {:.2g} (limit {:.2g}): use a "
+             "larger sph.domain, or sph.outlets where it is meant to leave",
+             run.facts.sph.lost.value_or(0), run.facts.sph.mass_in_all.value_or(0), f.value, limit);
+       }});
+  table.push_back(
       {"energy_liquid", "abs(sph.energy_residual_J) / sph.energy_scale_J", 0.01,
        "kinetic energy and energy of compression change by the work of gravity, walls, viscosity and "
        "diffusion; the rest is an error of the integration",

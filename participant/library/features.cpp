@@ -175,6 +175,7 @@ std::vector<Feature> features_of_sph(const scene::Scene& scene) {
   if (!sph.inlets.empty()) features.add("liquid.inlet", quoted("sph.inlets", sph.inlets.front().name));
   if (!sph.outlets.empty()) features.add("outlet", quoted("sph.outlets", sph.outlets.front().name));
   if (sph.periodic[0] || sph.periodic[1] || sph.periodic[2]) features.add("domain.periodic", "sph.domain");
+  if (sph.follows) features.add("domain.follows", "sph.domain");
   return features.take();
 }
 

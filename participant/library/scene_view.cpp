@@ -163,7 +163,7 @@ void SceneView::view_liquid(const std::vector<protocol::NamedMesh>& meshes) {
     seen.density = liquid.density;
     seen.viscosity = liquid.viscosity;
     seen.sound_speed = liquid.sound_speed.value_or(0);
-    put(seen.velocity, liquid.velocity);
+    put(seen.velocity, liquid.velocity.value_or(Vec3d{}));
     seen.hydrostatic = liquid.pressure == scene::StartPressure::hydrostatic;
     seen.box_count = boxes.size() / 6;
     seen.boxes = boxes.data();

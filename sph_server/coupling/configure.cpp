@@ -56,6 +56,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   start.setup.threads = configuration.threads;
   const std::vector<BodyWalls>& walls = start.walls;
   properties_ = start.setup.liquid;
+  vessel_ = start.setup.vessel;
+  follows_ = start.setup.follows;
+  follows_from_ = start.setup.follows_from;
   for (const BodyWalls& body : walls) {
     double extent = 0;
     for (const Vec3d& vertex : body.mesh.vertices) extent = std::max(extent, norm(vertex));
@@ -63,6 +66,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     bodies_loaded_ += is_new ? 1 : 0;
     load_of_.push_back(bodies_loaded_ - 1);
     bodies_.push_back({body.body, scene_.body_name(body.body), extent});
+    corners_.push_back(body.mesh.vertices);
     for (const std::string& sentence : body.inside) log::info("{}", sentence);
   }
   traffic_ = Traffic(sph, start.inlets, start.setup);
@@ -71,6 +75,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     if (bodies_.empty() || bodies_.back().body != ground) ++bodies_loaded_;
     load_of_.push_back(bodies_loaded_ - 1);
     bodies_.push_back({ground, scene_.body_name(ground), norm(inlet.of.pose.p_WB)});
+    corners_.emplace_back();
   }
   const double window =
       scene_.coupling.adaptive ? scene_.coupling.adaptive->max_window : scene_.coupling.window;
@@ -125,6 +130,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   others["spacing_m"] = properties_.spacing;
   others["mass_kg"] = mass();
   others["depth_m"] = start.depth;
+  others["vessel"] = scene_.body_name(start.vessel);
   others["sound_speed_by"] = liquid.sound_speed ? "scene" : "rule";
   others["setup_seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   log::info(

@@ -17,6 +17,7 @@
 #include "sph_server/io/columns.hpp"
 #include "sph_server/io/edges_in_liquid.hpp"
 #include "sph_server/io/open_faces.hpp"
+#include "sph_server/io/vessel.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
 
 namespace tandem::sph {
@@ -30,7 +31,8 @@ particles::Periods periods_of(const scene::Sph& sph) {
   return periods;
 }
 
-Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth) {
+// speed: of the liquid at the start, relative to the vessel [m/s].
+Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth, double speed) {
   const scene::Liquid& given = sph.liquids.front();
   Liquid liquid;
   liquid.density = given.density;
@@ -39,7 +41,7 @@ Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth) {
   liquid.artificial = given.artificial_viscosity;
   liquid.shifting = given.shifting;
   liquid.gravity = gravity;
-  double speed = std::max(given.expected_speed, norm(given.velocity));
+  speed = std::max(speed, given.expected_speed);
   for (const scene::LiquidInlet& inlet : sph.inlets) speed = std::max(speed, inlet.speed());
   liquid.sound_speed = given.sound_speed.value_or(suggested_sound_speed(speed, norm(gravity), depth));
   return liquid;
@@ -73,9 +75,9 @@ std::optional<std::string> warning_of_speed(const scene::Liquid& given, const Li
 }
 
 // Refuses a given speed of sound that is too low for the liquid as it starts.
-void expect_sound_speed(const scene::Liquid& given, const Liquid& liquid, double depth) {
+void expect_sound_speed(const scene::Liquid& given, const Liquid& liquid, double depth, double speed) {
   if (!given.sound_speed) return;
-  const double c = *given.sound_speed, speed = norm(given.velocity);
+  const double c = *given.sound_speed;
   const std::string where = "sph.liquids[0].sound_speed";
   const double enough = suggested_sound_speed(speed, norm(liquid.gravity), depth);
   const std::string advice =
@@ -125,12 +127,23 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   check_inlets(start.inlets, start.walls, start.poses, sph.spacing, start.insides,
                start.insides.empty() ? Vec3d{} : -1.0 / norm(scene.gravity) * scene.gravity);
   start.setup.domain = sph.domain;
+  if (sph.follows) {
+    const auto of = std::ranges::find(start.walls, *sph.follows, &BodyWalls::body);
+    start.setup.follows = static_cast<std::uint32_t>(of - start.walls.begin());
+    start.setup.follows_from = start.poses[*start.setup.follows].p;
+  }
   start.setup.periods = periods_of(sph);
   measure_columns(scene, start.setup, start.poses, start.insides, start.sites);
   start.depth = start.sites.deepest();
   for (const FilledInside& filled : start.insides) start.depth = std::max(start.depth, filled.depth);
-  start.setup.liquid = properties_of(sph, scene.gravity, start.depth);
-  expect_sound_speed(liquid, start.setup.liquid, start.depth);
+  start.vessel = vessel_of(scene, start.walls, start.setup, start.poses, start.sites, start.insides);
+  start.setup.vessel = vessel_in(start.walls, start.vessel);
+  const Vec3d frame =
+      start.setup.vessel ? start.setup.vessel->velocity(start.poses[start.setup.vessel->wall]) : Vec3d{};
+  start.velocity = liquid.velocity.value_or(frame);
+  const double speed = norm(start.velocity - frame);
+  start.setup.liquid = properties_of(sph, scene.gravity, start.depth, speed);
+  expect_sound_speed(liquid, start.setup.liquid, start.depth, speed);
   expect_periods(start.setup.periods, start.setup.liquid);
   start.warnings = open_faces(scene, meshes, start.insides, start.setup, start.poses);
   for (std::string& sentence : edges_in_liquid(scene, start.walls, start.poses, start.insides))
@@ -151,7 +164,8 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
 }
 
 LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene) {
-  LiquidState state = liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses);
+  LiquidState state =
+      liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses, start.velocity);
   refuse_coinciding_walls(state.position, start.walls, start.inlets, start.setup, start.poses, scene);
   return state;
 }

@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
 #include "common/log.hpp"
-#include "particles/serving/state_digest.hpp"
-#include "protocol/facts.hpp"
 #include "sph_server/coupling/make_solver.hpp"
 #include "sph_server/equations/limits.hpp"
 #include "sph_server/equations/time_step.hpp"
@@ -29,7 +26,7 @@ std::unique_ptr<protocol::LoadSolver> make_solver() {
 
 bool Solver::Memory::is_possible() const {
   for (const double figure : {density_error, volume_error, speed, wall_speed, shortest_step, energy_scale,
-                              energy_came, energy_went})
+                              energy_came, energy_went, energy_lost})
     if (!(std::isfinite(figure) && figure >= 0)) return false;
   return std::isfinite(energy_start) && std::isfinite(energy_residual);
 }
@@ -63,43 +60,26 @@ void Solver::set_paths(const protocol::MotionSet& motion) {
         particles::prepare_path(segment_of(body, motion), motion.window.length(), body.name.c_str()));
 }
 
-void Solver::watch_walls() {
+// At the start only the multibody solver knows the velocities that joints give to bodies: the first step has
+// those of the first motion, and a liquid without a velocity of its own has that of its vessel.
+void Solver::start_moving() {
+  std::vector<particles::BodyPose> poses = engine_->poses();
+  bool same = true;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (bodies_[b].body == ground) continue;
-    for (const double at : {0.0, 1.0}) {
-      const particles::BodyPose pose = pose_on_path(paths_[b], at);
-      memory_.wall_speed = std::max(memory_.wall_speed, norm(pose.v) + bodies_[b].extent * norm(pose.w));
-    }
+    const particles::BodyPose begin = pose_on_path(paths_[b], 0);
+    same = same && begin.v == poses[b].v && begin.w == poses[b].w;
+    poses[b].v = begin.v;
+    poses[b].w = begin.w;
   }
-  if (memory_.wall_speed > largest_mach * properties_.sound_speed && !std::exchange(warned_walls_, true))
-    log::warn("{}", sentence_of_walls());
-}
-
-std::string Solver::sentence_of_walls() const {
-  return fmt::format(
-      "a wall of the liquid has up to {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): where the "
-      "liquid is beside it, use an expected_speed of {:.3g} m/s",
-      memory_.wall_speed, memory_.wall_speed / properties_.sound_speed, largest_mach, memory_.wall_speed);
-}
-
-// A liquid that is far too fast or too dense goes anywhere at last: the error then says so first.
-Error Solver::explained(const Error& error) const {
-  if (error.code() != ErrorCode::numerics) return error;
-  if (memory_.density_error > largest_density_error || mach() > largest_mach)
-    return Error(
-        error.code(),
-        fmt::format("{}; before, the density of the liquid was off by {:.2g} (limit {:.2g}), and "
-                    "its fastest particle had {:.2g} of the speed of sound (limit {:.2g})",
-                    error.problem(), memory_.density_error, largest_density_error, mach(), largest_mach),
-        error.where(),
-        fmt::format("use a larger sound_speed (now {:.3g} m/s): ten times the largest speed that "
-                    "liquid and walls will have",
-                    properties_.sound_speed));
-  if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)
-    return Error(error.code(),
-                 fmt::format("{}; before, {} times a particle passed a wall", error.problem(), passed),
-                 error.where(), "use a smaller sph.spacing, or a larger sound_speed");
-  return error;
+  if (same) return;
+  LiquidState state = engine_->state();
+  if (vessel_ && !scene_.sph->liquids.front().velocity)
+    state.velocity.assign(state.size(), vessel_->velocity(poses[vessel_->wall]));
+  if (state.size() > 0) engine_->set_state(state, poses);
+  const EnergyBalance energies = engine_->energies();
+  memory_.energy_start = energies.kinetic + energies.compression;
+  memory_.energy_scale = memory_.energy_start;
 }
 
 void Solver::take_step(double dt) {
@@ -121,6 +101,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
                     length, steps, step_at_rest(), most_steps),
         "motion", "send windows no longer than those of the scene");
   set_paths(motion);
+  if (memory_.micro_steps == 0) start_moving();
   watch_walls();
   loads_.window = motion.window;
   loads_.bodies.assign(bodies_loaded_, {});
@@ -129,7 +110,10 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   protocol::ParticleAccount& account = loads_.account;
   account.momentum_begin = engine_->momentum();
   account.lost_momentum = {};
-  record(traffic_.drain(*engine_, id_, passed_));
+  const std::size_t at_begin = id_.size();
+  const Vec3d domain_shift = follows_ ? engine_->poses()[*follows_].p - follows_from_ : Vec3d{};
+  record(traffic_.drain(*engine_, domain_shift, id_, passed_));
+  record_lost(to_seconds(motion.window.begin));
   previous_poses_ = engine_->poses();
   std::uint64_t steps = 0;
   double fallen = 0;  // integral of the mass of the liquid [kg s]
@@ -138,6 +122,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     // A layer comes in up to half a step early or late, so that no step is much shorter than the others.
     if (traffic_.next(passed_) <= start + t + nearly) {
       record(traffic_.feed(*engine_, start + t, start + t + nearly, at_start_, id_, passed_));
+      record_lost(start + t);
       previous_poses_ = engine_->poses();
     }
     const double due = traffic_.next(passed_) - start, stop = due < length - nearly ? due : length;
@@ -149,6 +134,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     take_step(end - t);
     add_step(t, end - t, length);
     fallen += (end - t) * mass();
+    record_lost(start + end);
     memory_.particle_steps += id_.size();
     watch_limits();
     std::swap(poses_, previous_poses_);
@@ -169,7 +155,9 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   account.micro_steps = steps;
   account.micro_step = length / static_cast<double>(steps);
   account.momentum_end = engine_->momentum();
-  account.gravity_impulse = (traffic_.any() ? fallen : length * mass()) * properties_.gravity;
+  const bool same = !traffic_.any() && id_.size() == at_begin;
+  account.gravity_impulse = (same ? length * mass() : fallen) * properties_.gravity;
+  account.lost_particles = memory_.lost;
   account.rebuilds = engine_->figures().rebuilds;
   memory_.now = motion.window.end.count;
   memory_.micro_steps += steps;
@@ -211,31 +199,22 @@ void Solver::record(const Traffic::Brought& brought) {
   memory_.energy_went += brought.went;
 }
 
-void Solver::watch_limits() {
-  const StepFigures figures = engine_->figures();
-  memory_.density_error = std::max(memory_.density_error, figures.largest_compression);
-  memory_.speed = std::max(memory_.speed, figures.largest_speed);
-  if (memory_.density_error > largest_density_error && !std::exchange(warned_density_, true))
-    log::warn("the density of a particle is off by {:.2g}, beyond {:.2g}: use a sound_speed of {:.3g} m/s",
-              memory_.density_error, largest_density_error,
-              sound_factor_for_density(memory_.density_error) * properties_.sound_speed);
-  if (mach() > largest_mach && !std::exchange(warned_mach_, true))
-    log::warn(
-        "a particle has {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use a sound_speed of {:.3g} "
-        "m/s",
-        memory_.speed, mach(), largest_mach, sound_factor_for_mach(mach()) * properties_.sound_speed);
-}
-
-void Solver::watch_energy() {
-  const EnergyBalance e = engine_->energies();
-  const double energy = e.kinetic + e.compression;
-  memory_.energy_residual =
-      energy - memory_.energy_start - e.changes() - memory_.energy_came + memory_.energy_went;
-  double scale = energy + memory_.energy_came + memory_.energy_went;
-  for (const double change :
-       {e.gravity, e.viscosity, e.bulk_viscosity, e.diffusion, e.cavitation, e.ghost, e.repulsion, e.walls})
-    scale += std::abs(change);
-  memory_.energy_scale = std::max(memory_.energy_scale, scale);
+// Particles that have left the domain by `time` [s].
+void Solver::record_lost(double time) {
+  const LostParticles lost = engine_->take_lost();
+  if (lost.index.empty()) return;
+  auto next = lost.index.begin();
+  std::size_t kept = 0;
+  for (std::uint32_t i = 0; i < id_.size(); ++i)
+    if (next != lost.index.end() && *next == i)
+      ++next;
+    else
+      id_[kept++] = id_[i];
+  id_.resize(kept);
+  loads_.account.lost_momentum += lost.momentum;
+  memory_.energy_lost += lost.energy;
+  memory_.lost += lost.index.size();
+  if (!std::exchange(warned_lost_, true)) log::warn("{} by t = {:.6g} s", sentence_of_lost(), time);
 }
 
 void Solver::fill(const LiquidState& state, const std::vector<std::uint32_t>& id, Nanoseconds time,
@@ -290,73 +269,8 @@ void Solver::restore() {
   id_ = saved_id_;
 }
 
-void Solver::warn(const std::string& sentence) {
-  log::warn("{}", sentence);
-  warnings_.push_back(sentence);
-}
-
 std::string Solver::precision_name() const {
   return scene_.sph->precision == scene::LiquidPrecision::mixed ? "mixed" : "double";
-}
-
-std::vector<std::string> Solver::warnings_of_run() const {
-  std::vector<std::string> all = warnings_;
-  if (memory_.density_error > largest_density_error)
-    all.push_back(fmt::format(
-        "the density of the liquid was off by up to {:.2g} (limit {:.2g}): use a sound_speed of {:.3g} m/s "
-        "(now {:.3g})",
-        memory_.density_error, largest_density_error,
-        sound_factor_for_density(memory_.density_error) * properties_.sound_speed, properties_.sound_speed));
-  if (mach() > largest_mach)
-    all.push_back(fmt::format(
-        "the fastest particle of the liquid had {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use "
-        "a sound_speed of {:.3g} m/s (now {:.3g})",
-        memory_.speed, mach(), largest_mach, sound_factor_for_mach(mach()) * properties_.sound_speed,
-        properties_.sound_speed));
-  if (memory_.wall_speed > largest_mach * properties_.sound_speed) all.push_back(sentence_of_walls());
-  for (const std::string& sentence : sensors_.warnings(seen_)) all.push_back(sentence);
-  if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)
-    all.push_back(fmt::format("{} times a particle of the liquid passed a wall", passed));
-  return all;
-}
-
-protocol::Report Solver::report() {
-  const LiquidState state = engine_->state();
-  particles::StateDigest digest;
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    digest.mix(state.position[i]);
-    digest.mix(state.velocity[i]);
-    digest.mix(state.compression[i]);
-  }
-  const StepFigures figures = engine_->figures();
-  const EnergyBalance e = engine_->energies();
-  protocol::SphFacts facts;
-  facts.state_hash = digest.text();
-  facts.solver_seconds = solver_seconds_;
-  facts.density_error = memory_.density_error;
-  facts.mach = mach();
-  facts.volume_error = memory_.volume_error;
-  facts.passed_walls = figures.passed_walls;
-  facts.energy_residual = memory_.energy_residual;
-  facts.energy_scale = memory_.energy_scale;
-  facts.warnings = warnings_of_run();
-  nlohmann::ordered_json others;
-  others["solver_cpu_seconds"] = solver_cpu_seconds_;
-  others["max_speed"] = memory_.speed;
-  others["shortest_step_s"] = memory_.shortest_step;
-  others["list_rebuilds"] = figures.rebuilds;
-  others["particle_steps"] = memory_.particle_steps;
-  others["energy_J"] = {{"kinetic", e.kinetic}, {"compression", e.compression}};
-  others["work_J"] = {
-      {"gravity", e.gravity},     {"viscosity", e.viscosity},   {"bulk_viscosity", e.bulk_viscosity},
-      {"diffusion", e.diffusion}, {"cavitation", e.cavitation}, {"ghost", e.ghost},
-      {"repulsion", e.repulsion}, {"walls", e.walls},           {"edges", e.edges}};
-  if (traffic_.any()) {
-    others["work_J"]["inlets"] = memory_.energy_came;
-    others["work_J"]["outlets"] = -memory_.energy_went;
-  }
-  traffic_.report(passed_, facts, others);
-  return {protocol::encode_facts(facts, others)};
 }
 
 }  // namespace tandem::sph

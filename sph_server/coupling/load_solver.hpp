@@ -49,6 +49,8 @@ class Solver final : public protocol::LoadSolver {
     double energy_scale = 0;   // largest sum of energy and of the sizes of its changes [J]
     double energy_residual = 0;
     double energy_came = 0, energy_went = 0;  // with particles through inlets and outlets [J]
+    std::uint64_t lost = 0;                   // particles that left the domain
+    double energy_lost = 0;                   // with them [J]
 
     bool is_possible() const;
   };
@@ -61,6 +63,9 @@ class Solver final : public protocol::LoadSolver {
   double step_at_rest() const;  // [s]
   // The next step that the present state allows, of `left` seconds of a window [s].
   double next_step(double left) const;
+  void start_moving();
+  // Velocity of the vessel at a part `at` of the window [m/s].
+  Vec3d frame_velocity(double at) const;
   void set_paths(const protocol::MotionSet& motion);
   void watch_walls();
   std::string sentence_of_walls() const;
@@ -69,6 +74,8 @@ class Solver final : public protocol::LoadSolver {
   double mach() const { return memory_.speed / properties_.sound_speed; }
   void add_step(double begin, double dt, double length);
   void record(const Traffic::Brought& brought);
+  void record_lost(double time);
+  std::string sentence_of_lost() const;
   double mass() const { return static_cast<double>(id_.size()) * properties_.mass(); }  // [kg]
   std::size_t check_memory(const LiquidStart& start) const;
   void watch_limits();
@@ -81,12 +88,16 @@ class Solver final : public protocol::LoadSolver {
 
   scene::Scene scene_;
   Liquid properties_;
+  std::optional<Vessel> vessel_;
+  std::optional<std::uint32_t> follows_;  // see LiquidSetup
+  Vec3d follows_from_;                    // [m]
   std::unique_ptr<LiquidEngine> engine_;
   // Of each mesh of walls, see walls_of_bodies(), and of each piston of an inlet: its body, and the place of
   // that in the loads.
   std::vector<particles::BoundaryBody> bodies_;
   std::vector<std::size_t> load_of_;
   std::size_t bodies_loaded_ = 0;
+  std::vector<std::vector<Vec3d>> corners_;  // of the walls of each of bodies_, in its frame [m]
   Sensors sensors_;
   std::vector<Sensors::Seen> seen_, saved_seen_;
   Traffic traffic_;
@@ -97,7 +108,7 @@ class Solver final : public protocol::LoadSolver {
   std::vector<particles::PreparedPath> paths_;
   std::vector<particles::BodyPose> poses_, previous_poses_;  // of bodies_, at the ends of the present step
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;       // in advance [s]
-  bool warned_density_ = false, warned_mach_ = false, warned_walls_ = false;
+  bool warned_density_ = false, warned_mach_ = false, warned_walls_ = false, warned_lost_ = false;
   std::vector<std::string> warnings_;
   protocol::LoadSet loads_;
   LiquidState kept_;  // of the snapshot

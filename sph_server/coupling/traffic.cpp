@@ -21,11 +21,6 @@ bool contains(const scene::Outlet& outlet, Vec3d x) {
   return true;
 }
 
-// Kinetic and of compression [J].
-double energy_of(const Liquid& l, Vec3d v, double compression) {
-  return l.mass() * (0.5 * norm2(v) + l.sound_speed * l.sound_speed * tait_energy(compression));
-}
-
 }  // namespace
 
 Traffic::Traffic(const scene::Sph& sph, std::vector<Inlet> inlets, const LiquidSetup& setup)
@@ -64,7 +59,7 @@ double Traffic::next(const std::vector<Seen>& seen) const {
   return next;
 }
 
-Traffic::Brought Traffic::drain(LiquidEngine& engine, std::vector<std::uint32_t>& id,
+Traffic::Brought Traffic::drain(LiquidEngine& engine, Vec3d shift, std::vector<std::uint32_t>& id,
                                 std::vector<Seen>& seen) const {
   Brought brought;
   if (outlets_.empty()) return brought;
@@ -72,7 +67,7 @@ Traffic::Brought Traffic::drain(LiquidEngine& engine, std::vector<std::uint32_t>
   std::vector<std::uint32_t> leaving, stay;
   for (std::uint32_t i = 0; i < state.size(); ++i) {
     const auto outlet =
-        std::ranges::find_if(outlets_, [&](const auto& o) { return contains(o, state.position[i]); });
+        std::ranges::find_if(outlets_, [&](const auto& o) { return contains(o, state.position[i] - shift); });
     if (outlet == outlets_.end()) {
       stay.push_back(id[i]);
       continue;

@@ -39,7 +39,9 @@ class Traffic {
   // When the next layer of an inlet is due [s]; infinite where none is.
   double next(const std::vector<Seen>& seen) const;
   // Takes the particles in outlets out. `id`: of the particles.
-  Brought drain(LiquidEngine& engine, std::vector<std::uint32_t>& id, std::vector<Seen>& seen) const;
+  // shift: of the domain since the start [m].
+  Brought drain(LiquidEngine& engine, Vec3d shift, std::vector<std::uint32_t>& id,
+                std::vector<Seen>& seen) const;
   // Brings in the layers that are due by `due` [s], at the time [s]. `first`: id of the first particle that
   // comes in through an inlet.
   Brought feed(LiquidEngine& engine, double time, double due, std::uint32_t first,
@@ -47,12 +49,11 @@ class Traffic {
 
   // Particles that come in until the end of the run [s].
   std::size_t to_come(double end_time) const;
+  std::uint64_t came_in(const std::vector<Seen>& seen) const;  // particles
   // What is reported: of `facts` the counts, and `others`.
   void report(const std::vector<Seen>& seen, protocol::SphFacts& facts, nlohmann::ordered_json& others) const;
 
  private:
-  std::uint64_t came_in(const std::vector<Seen>& seen) const;
-
   std::vector<Inlet> inlets_;
   std::vector<scene::Outlet> outlets_;
   Liquid liquid_;

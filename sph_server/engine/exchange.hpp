@@ -25,7 +25,8 @@ template <class Exec, class Real, bool shifting>
 void LiquidEngineOf<Exec, Real, shifting>::exchange(std::span<const std::uint32_t> leaving,
                                                     const LiquidState& arriving,
                                                     const std::vector<particles::BodyPose>& poses) {
-  rebuild();  // counts the particles that passed a wall until now
+  lost_ = {};
+  figures_.passed_walls += locate_particles().passed;
   Host host = download();
   const std::size_t more = arriving.size(), kept = count_ - leaving.size();
   each(host, [&](auto& array) { exchange_entries(leaving, more, array); });

@@ -264,6 +264,8 @@ class Filler {
     packing.liquid.shifting = 0;
     packing.walls.push_back(lid());
     std::vector<particles::BodyPose> poses = poses_;
+    // The liquid is packed at rest in walls at rest.
+    for (particles::BodyPose& pose : poses) pose.v = pose.w = {};
     poses.push_back({{}, Mat3d::identity(), {}, {}});
     LiquidState state;
     for (const Site& s : start) {

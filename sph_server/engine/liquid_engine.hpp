@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,12 +19,26 @@
 
 namespace tandem::sph {
 
+// A body relative to which speeds are measured: a liquid that moves with it is at rest.
+struct Vessel {
+  std::uint32_t wall = 0;  // index in LiquidSetup::walls
+  Vec3d middle;            // of its walls, in its frame [m]
+
+  // Of the middle, where the body has this pose [m], [m/s].
+  Vec3d position(const particles::BodyPose& pose) const { return pose.p + pose.R * middle; }
+  Vec3d velocity(const particles::BodyPose& pose) const { return pose.v + cross(pose.w, pose.R * middle); }
+};
+
 struct LiquidSetup {
   Liquid liquid;
-  scene::Box domain;                // particles must stay in it [m]
-  particles::Periods periods;       // of the domain
+  scene::Box domain;           // particles that leave it are taken out [m]
+  particles::Periods periods;  // of the domain
+  // The domain is displaced with this one of `walls`; none: it stays.
+  std::optional<std::uint32_t> follows;
+  Vec3d follows_from;               // where the origin of that body is at the start [m]
   std::vector<TriangleMesh> walls;  // one per body, in its frame
   std::vector<bool> slip;           // of each body, true: without friction; empty: all have friction
+  std::optional<Vessel> vessel;     // none: speeds are those in the world
   particles::Backend backend = particles::Backend::cpu;
   unsigned threads = 1;  // of the CPU; 0: see particles::ThreadPool
   // Particles that there may be where some come in later, for the range of sums; 0: those of the start.
@@ -71,7 +86,7 @@ struct LiquidTotals {
 };
 
 struct StepFigures {
-  double largest_speed = 0;         // [m/s]
+  double largest_speed = 0;         // relative to the vessel [m/s]
   double largest_acceleration = 0;  // [m/s2]
   double largest_compression = 0;   // largest |rho/rho0 - 1|: some 0.01 where the sound speed suffices [-]
   Vec3d pair_impulse_rate;          // sum of all pair forces [N]: zero
@@ -79,11 +94,18 @@ struct StepFigures {
   std::uint64_t passed_walls = 0;   // particles that passed a wall since the start
 };
 
+// Particles that left the domain and were taken out.
+struct LostParticles {
+  std::vector<std::uint32_t> index;  // ascending, as they were numbered before
+  Vec3d momentum;                    // [kg m/s]
+  double energy = 0;                 // kinetic and of compression [J]
+};
+
 class LiquidEngine {
  public:
   virtual ~LiquidEngine() = default;
   // Bodies have the given poses, one per wall mesh. Rates are computed at once, so that loads() belongs to
-  // this state.
+  // this state. Error{numerics} where a particle is outside the domain.
   virtual void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) = 0;
   void set_state(const LiquidState& state) { set_state(state, poses()); }
   virtual LiquidState state() const = 0;
@@ -92,6 +114,9 @@ class LiquidEngine {
   virtual void step(double dt, const std::vector<particles::BodyPose>& poses) = 0;
   void step(double dt) { step(dt, poses()); }
   virtual const std::vector<particles::BodyPose>& poses() const = 0;
+  // Those of the last step() or exchange(), once. Particles outside the domain are found when the lists are
+  // built; the others keep their order. The next step has no step before it, as the first one.
+  virtual LostParticles take_lost() = 0;
   // Takes particles out, by ascending index, and appends those of `arriving`; bodies then have the given
   // poses. Rates are computed at once. The next step has no step before it, as the first one.
   virtual void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,

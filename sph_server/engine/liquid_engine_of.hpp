@@ -41,7 +41,7 @@ class LiquidEngineOf final : public LiquidEngine {
     double farthest = 0;
     for (int a = 0; a < 3; ++a)
       farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
-    centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, 4);
+    centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, setup.follows ? 10 : 4);
     pairs_.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
     place_.support = setup.liquid.support();
@@ -73,7 +73,9 @@ class LiquidEngineOf final : public LiquidEngine {
     upload(host);
     set_quanta(std::max(n, setup_.capacity));
     built_ = false;
+    keeps_all_ = true;
     rebuild();
+    keeps_all_ = false;
     // The tension that particles bear follows from what fills their kernels.
     sum_rates();
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
@@ -113,12 +115,17 @@ class LiquidEngineOf final : public LiquidEngine {
     previous_body_sums_ = body_sums_;
     last_dt_ = dt;
     set_poses(poses);
+    const Vec3d drift = drift_since(built_poses_);
     const Farthest farthest =
-        exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data()});
+        exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data(), drift});
+    lost_ = {};
     const double skin = list_skin * setup_.liquid.spacing;
-    if (!(2 * std::sqrt(farthest.squared) + walls_.moved_from(built_poses_) < skin)) rebuild();
+    if (!(2 * std::sqrt(farthest.squared) + walls_.moved_from(displaced(built_poses_, drift)) < skin))
+      rebuild();
     sum_rates();
+    if (!lost_.index.empty()) forget_step_before();
   }
+  LostParticles take_lost() override { return std::exchange(lost_, {}); }
 
   const std::vector<particles::BodyPose>& poses() const override { return walls_.poses(); }
 
@@ -127,6 +134,7 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.damping = damping;
     rates_.properties.gravity = {};
     rates_.walls.continued = false;
+    keeps_all_ = true;
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
@@ -137,6 +145,7 @@ class LiquidEngineOf final : public LiquidEngine {
           poses());
     rates_.properties.gravity = setup_.liquid.gravity;
     rates_.walls.continued = true;
+    keeps_all_ = false;
     advance_.packing_pressure = 0;
     advance_.damping = 1;
   }
@@ -157,7 +166,8 @@ class LiquidEngineOf final : public LiquidEngine {
                       scene::rounded(figures_.largest_speed) + " m/s, and one a density that is off by " +
                       scene::rounded(figures_.largest_compression),
                   "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
-    const TotalQuanta q = TotalQuanta::of(count_, figures_.largest_speed, figures_.largest_compression);
+    const TotalQuanta q = TotalQuanta::of(count_, figures_.largest_speed + norm(frame_velocity()),
+                                          figures_.largest_compression);
     const Totals t = exec_.template reduce<Totals>(count(), AddTotals<Real>{liquid_, q});
     LiquidTotals all;
     for (int a = 0; a < 3; ++a) all.momentum[a] = l.mass() * particles::from_fixed(t.momentum[a], q.velocity);
@@ -270,6 +280,38 @@ class LiquidEngineOf final : public LiquidEngine {
     place_walls(poses);
   }
 
+  // Velocity of the vessel [m/s].
+  Vec3d frame_velocity() const {
+    return setup_.vessel ? setup_.vessel->velocity(walls_.poses()[setup_.vessel->wall]) : Vec3d{};
+  }
+  Vec3d domain_shift() const {
+    return setup_.follows ? walls_.poses()[*setup_.follows].p - setup_.follows_from : Vec3d{};
+  }
+  scene::Box domain_now() const {
+    const Vec3d shift = domain_shift();
+    const scene::Box now{setup_.domain.min + shift, setup_.domain.max + shift};
+    if (setup_.follows)
+      for (int a = 0; a < 3; ++a)
+        for (const double end : {now.min[a], now.max[a]})
+          if (!(std::fabs(end) <= centres_.range()))
+            throw Error(ErrorCode::numerics,
+                        "the domain has followed its body to " + scene::rounded(end) +
+                            " m, and mixed precision counts to " + scene::rounded(centres_.range()) + " m",
+                        "sph.domain.follows", "use \"precision\": \"double\"");
+    return now;
+  }
+  // How far the vessel has moved since it had these poses [m]: lists stay valid while nothing moves relative
+  // to it.
+  Vec3d drift_since(const std::vector<particles::BodyPose>& poses_then) const {
+    if (!setup_.vessel) return {};
+    const Vessel& vessel = *setup_.vessel;
+    return vessel.position(walls_.poses()[vessel.wall]) - vessel.position(poses_then[vessel.wall]);
+  }
+  static std::vector<particles::BodyPose> displaced(std::vector<particles::BodyPose> poses, Vec3d by) {
+    for (particles::BodyPose& pose : poses) pose.p += by;
+    return poses;
+  }
+
   Wrench wrench_of(const BodySum& s) const {
     Wrench w;
     for (int a = 0; a < 3; ++a) {
@@ -324,11 +366,14 @@ class LiquidEngineOf final : public LiquidEngine {
 
   // The next step has no step before it.
   void begin_steps() {
+    forget_step_before();
+    step_loads_ = loads();
+  }
+  void forget_step_before() {
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
     exec_.copy(memory_.rate[0], memory_.rate[1]);
     use_arrays();
     previous_body_sums_ = body_sums_;
-    step_loads_ = loads();
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
     last_dt_ = 0;
   }
@@ -360,12 +405,13 @@ class LiquidEngineOf final : public LiquidEngine {
     pairs_.quanta = rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
   }
 
-  void rebuild() {
+  // Writes the present positions to `located_`. Strays pass walls since the lists were built.
+  Strays locate_particles() {
     Locate<Real> locate;
     locate.liquid = liquid_;
     locate.centres = centres_;
     locate.periods = setup_.periods;
-    locate.domain = setup_.domain;
+    locate.domain = domain_now();
     locate.x = located_.data();
     if (built_) {
       exec_.upload(built_pose_, std::span<const particles::BodyPose>(built_poses_));
@@ -374,8 +420,20 @@ class LiquidEngineOf final : public LiquidEngine {
       locate.facets = facets_.view();
       locate.walls = device_walls_.view();
     }
-    const Strays strays = exec_.template reduce<Strays>(count(), locate);
-    if (strays.first_outside < count_) refuse_outside(strays.first_outside);
+    return exec_.template reduce<Strays>(count(), locate);
+  }
+
+  void rebuild() {
+    const Strays strays = locate_particles();
+    if (strays.first_outside < count_) {
+      if (strays.first_not_finite < count_)
+        throw Error(ErrorCode::numerics,
+                    "the liquid flies apart: the position or velocity of particle " +
+                        std::to_string(strays.first_not_finite) + " is not finite",
+                    "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
+      if (keeps_all_) refuse_outside(strays.first_outside);
+      take_out_lost();
+    }
     figures_.passed_walls += strays.passed;
     std::swap(built_at_, located_);
     build_lists();
@@ -387,9 +445,14 @@ class LiquidEngineOf final : public LiquidEngine {
   // The lists of the positions in built_at_.
   void build_lists() {
     if (grid_.total == 0) {
-      grid_ = particles::make_cell_grid(setup_.domain, setup_.periods, reach_, particles::most_cells(count_));
+      scene::Box domain = setup_.domain;
+      // Where it is displaced, positions beside its end must not be rounded into a cell beyond the last.
+      if (setup_.follows) domain.max += 1e-3 * reach_ * Vec3d{1, 1, 1};
+      grid_ = particles::make_cell_grid(domain, setup_.periods, reach_, particles::most_cells(count_));
       cell_start_.resize(std::size_t{grid_.total} + 2);
+      grid_origin_ = grid_.origin;
     }
+    grid_.origin = grid_origin_ + domain_shift();
     for (auto* array : {&key_, &scratch_, &in_cell_, &near_count_}) exec_.grow(*array, count_);
     exec_.sort_into_cells(count(), grid_.total, CellOfParticle{grid_, built_at_.data()}, key_.data(),
                           scratch_.data(), cell_start_, in_cell_);
@@ -408,6 +471,8 @@ class LiquidEngineOf final : public LiquidEngine {
     use_arrays();
   }
 
+  // See engine/lost.hpp.
+  void take_out_lost();
   // Builds the lists of built_at_ and built_poses_.
   void use_saved_lists();
 
@@ -444,6 +509,7 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.sum_over_lanes(count(), pairs_);
     if (walls_.bodies() > 0) exec_.for_each(count(), place_);
     exec_.for_each(facets_.total, see_);
+    rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
     Tally sum = exec_.template reduce<Tally>(count(), rates_, body_sums_);
     if (walls_.bodies() > 1) {
@@ -478,11 +544,15 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<PairSums<Real, shifting>> sums_;
   // Lists, and what they were built from.
   particles::CellGrid grid_;
+  Vec3d grid_origin_;  // where the domain is at the start [m]
   Buffer<std::uint32_t> key_, scratch_, cell_start_, in_cell_;
   Buffer<Vec3d> built_at_, located_;  // positions when the lists were built, and for the next lists [m]
   std::vector<particles::BodyPose> built_poses_;
   Buffer<particles::BodyPose> built_pose_;
-  bool built_ = false;  // lists are those of built_at_
+  bool built_ = false;      // lists are those of built_at_
+  bool keeps_all_ = false;  // a particle outside the domain is an error
+  LostParticles lost_;
+  Buffer<std::uint32_t> kept_before_;
   List<Exec, Neighbour> neighbours_;
   List<Exec, std::uint32_t> facets_;
   Buffer<std::uint32_t> particle_, near_count_;

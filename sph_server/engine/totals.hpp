@@ -54,7 +54,7 @@ struct AddTotals {
   }
 };
 
-// How far particles are from where they were when the lists were built.
+// How far particles are from where they were when the lists were built, relative to the vessel.
 struct Farthest {
   double squared = 0;  // [m2]
   // A value that is not a number remains: such a position is refused when the lists are built.
@@ -67,12 +67,13 @@ template <class Real>
 struct Move {
   Advance<Real> advance;
   const Vec3d* built_at = nullptr;  // [m]
+  Vec3d drift;                      // of the vessel since then [m]
 
   TANDEM_HD void operator()(std::uint32_t i, Farthest& farthest) const {
     advance(i);
     const Vec3d x = advance.centres.metres(
         advance.centres.joined(advance.liquid.position[i], advance.liquid.fine_part(i)));
-    farthest.add({norm2(advance.periods.shortest(x - built_at[i]))});
+    farthest.add({norm2(advance.periods.shortest(x - built_at[i] - drift))});
   }
 };
 // From particle `first` on.
@@ -85,12 +86,20 @@ struct UpdateState {
   }
 };
 
+TANDEM_HD inline bool is_inside(const scene::Box& domain, Vec3d x) {
+  for (int a = 0; a < 3; ++a)
+    if (!(x[a] >= domain.min[a] && x[a] <= domain.max[a])) return false;
+  return true;
+}
+
 // Particles that are where they cannot be.
 struct Strays {
-  std::uint32_t first_outside = ~0u;  // of the domain
-  std::uint32_t passed = 0;           // a wall
+  std::uint32_t first_outside = ~0u;     // of the domain
+  std::uint32_t first_not_finite = ~0u;  // position or velocity
+  std::uint32_t passed = 0;              // a wall
   TANDEM_HD void add(const Strays& b) {
     if (b.first_outside < first_outside) first_outside = b.first_outside;
+    if (b.first_not_finite < first_not_finite) first_not_finite = b.first_not_finite;
     passed += b.passed;
   }
 };
@@ -108,11 +117,13 @@ struct Locate {
   const particles::BodyPose* built_pose = nullptr;
   ListView<std::uint32_t> facets;
   WallsView walls;
+  static constexpr double largest2 = 1e300;  // beyond it squares are not finite
 
   TANDEM_HD void operator()(std::uint32_t i, Strays& strays) const {
     x[i] = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    for (int a = 0; a < 3; ++a)
-      if (!(x[i][a] >= domain.min[a] && x[i][a] <= domain.max[a])) strays.add({i, 0});
+    const double size2 = norm2(x[i]) + norm2(particles::velocity_of(liquid.velocity[i], liquid.fine_part(i)));
+    if (!(size2 < largest2)) strays.add({.first_not_finite = i});
+    if (!is_inside(domain, x[i])) strays.add({.first_outside = i});
     if (built_at == nullptr) return;
     const Vec3d now = built_at[i] + periods.shortest(x[i] - built_at[i]);
     for (std::uint32_t n = facets.start[i]; n < facets.start[i + 1]; ++n)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sph_server/engine/exchange.hpp"
+#include "sph_server/engine/lost.hpp"
 #include "sph_server/engine/state_copies.hpp"
 
 namespace tandem::sph {

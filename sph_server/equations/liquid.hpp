@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/math/vec3.hpp"
+#include "sph_server/equations/state.hpp"
 
 namespace tandem::sph {
 
@@ -21,5 +22,10 @@ struct Liquid {
   TANDEM_HD double support() const { return 2 * h(); }                             // [m]
   TANDEM_HD double mass() const { return density * spacing * spacing * spacing; }  // of a particle [kg]
 };
+
+// Kinetic energy and energy of compression of a particle [J].
+inline double energy_of(const Liquid& l, Vec3d v, double compression) {
+  return l.mass() * (0.5 * norm2(v) + l.sound_speed * l.sound_speed * tait_energy(compression));
+}
 
 }  // namespace tandem::sph

@@ -49,10 +49,11 @@ Sites sites_of(const scene::Liquid& liquid, double spacing) {
   return sites;
 }
 
-LiquidState fill_of(const Sites& sites, const scene::Liquid& liquid, const Liquid& properties) {
+LiquidState fill_of(const Sites& sites, const scene::Liquid& liquid, const Liquid& properties,
+                    Vec3d velocity) {
   LiquidState state;
   state.position = sites.position;
-  state.velocity.assign(sites.position.size(), liquid.velocity);
+  state.velocity.assign(sites.position.size(), velocity);
   state.compression.assign(sites.position.size(), 0.0);
   const double g = norm(properties.gravity);
   if (liquid.pressure == scene::StartPressure::zero || g == 0) return state;

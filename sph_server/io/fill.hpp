@@ -44,7 +44,8 @@ Sites sites_of(const scene::Liquid& liquid, double spacing);
 
 // Places, velocities and compressions of the particles. At hydrostatic pressure a column keeps its mass: it
 // is as much lower as its own weight compresses it.
-LiquidState fill_of(const Sites& sites, const scene::Liquid& liquid, const Liquid& properties);
+LiquidState fill_of(const Sites& sites, const scene::Liquid& liquid, const Liquid& properties,
+                    Vec3d velocity);
 
 // A region that the liquid fills up to a level: the inside of a wall.
 struct FilledInside {
@@ -68,7 +69,7 @@ bool is_below(const FilledInside& filled, Vec3d x, Vec3d up);
 // overlap.
 LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
                             const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                            const std::vector<particles::BodyPose>& poses);
+                            const std::vector<particles::BodyPose>& poses, Vec3d velocity);
 
 // Place of an entry of the fills of the liquid, for messages.
 std::string place_of_fill(std::size_t fill);

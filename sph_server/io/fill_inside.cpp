@@ -229,9 +229,9 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
 
 LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
                             const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                            const std::vector<particles::BodyPose>& poses) {
+                            const std::vector<particles::BodyPose>& poses, Vec3d velocity) {
   const scene::Liquid& liquid = scene.sph->liquids.front();
-  LiquidState all = fill_of(sites, liquid, setup.liquid);
+  LiquidState all = fill_of(sites, liquid, setup.liquid, velocity);
   std::vector<std::size_t> from(all.size(),
                                 liquid.fill.size());  // fill of each particle, that of boxes unknown
   for (const FilledInside& filled : insides) {
@@ -239,7 +239,7 @@ LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
         filled.fill, [&] { return fill_region(setup, poses, filled.region, filled.amount, filled.axes); });
     all.position.insert(all.position.end(), part.position.begin(), part.position.end());
     all.compression.insert(all.compression.end(), part.compression.begin(), part.compression.end());
-    all.velocity.resize(all.size(), liquid.velocity);
+    all.velocity.resize(all.size(), velocity);
     from.resize(all.size(), filled.fill);
   }
   const Vec3d up = -1.0 / norm(scene.gravity) * scene.gravity;  // needed where there are insides only

@@ -18,6 +18,7 @@ struct SumRates {
   Quanta quanta;
   Liquid properties;
   double peak = 0;  // W(0) [1/m3]
+  Vec3d frame;      // velocity relative to which speeds count [m/s]
 
   // `bodies`: sums of this thread.
   template <class Bodies>
@@ -56,7 +57,7 @@ struct SumRates {
     const Vec3d v = particles::velocity_of(liquid.velocity[i], liquid.fine_part(i));
     const Vec3d acceleration = properties.gravity + of(sum.acceleration);
     tally.add(Power::gravity, mass * dot(properties.gravity, v), quanta.power);
-    tally.observe(norm2(v), norm2(acceleration), std::fabs(compression));
+    tally.observe(norm2(v - frame), norm2(acceleration), std::fabs(compression));
     liquid.acceleration[0][i] = acceleration;
     liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion + by_closing;
     liquid.filled[i] = static_cast<float>(filled);

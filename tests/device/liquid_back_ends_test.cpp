@@ -203,5 +203,36 @@ TEST(LiquidOnCuda, ExchangesParticlesAsTheCpuDoes) {
   expect_equal(*cpu, *cuda);
 }
 
+// A cloud that flies apart, seen from a vessel that moves.
+TEST(LiquidOnCuda, LosesParticlesAsTheCpuDoes) {
+  Case c = without_walls();
+  c.setup.periods = {};
+  c.setup.walls = {transformed(box_mesh({0.1, 0.1, 0.1}), Pose{{5, 5, 5}, {}})};
+  c.setup.vessel = Vessel{0, {5, 5, 5}};
+  c.setup.follows = 0;
+  const Vec3d velocity{0.3, 0.2, -0.1};
+  const auto poses = [&](double t) {
+    return std::vector<particles::BodyPose>{{t * velocity, Mat3d::identity(), velocity, {}}};
+  };
+  for (const bool single : {true, false}) {
+    const auto cpu = c.engine(Backend::cpu, single), cuda = c.engine(Backend::cuda, single);
+    cpu->set_state(c.start, poses(0));
+    cuda->set_state(c.start, poses(0));
+    std::size_t lost = 0;
+    for (int k = 1; k <= 300; ++k) {
+      cpu->step(2e-4, poses(k * 2e-4));
+      cuda->step(2e-4, poses(k * 2e-4));
+      const LostParticles a = cpu->take_lost(), b = cuda->take_lost();
+      ASSERT_EQ(a.index, b.index) << "step " << k;
+      EXPECT_EQ(a.momentum, b.momentum);
+      EXPECT_EQ(a.energy, b.energy);
+      lost += a.index.size();
+    }
+    EXPECT_GT(lost, 100u);
+    EXPECT_EQ(cuda->state().size(), c.start.size() - lost);
+    expect_equal(*cpu, *cuda);
+  }
+}
+
 }  // namespace liquid_back_ends_test
 }  // namespace tandem::test

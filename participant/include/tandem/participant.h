@@ -250,7 +250,7 @@ typedef struct tandem_liquid {
   double density;       /* [kg/m3] */
   double viscosity;     /* dynamic [Pa s] */
   double sound_speed;   /* of the computation; 0: the solver chooses [m/s] */
-  double velocity[3];   /* at the start [m/s] */
+  double velocity[3];   /* at the start; 0 where the scene has none: it starts with its vessel [m/s] */
   uint32_t hydrostatic; /* 1: starts with the pressure of its weight, 0: without pressure */
   uint32_t reserved;
   size_t box_count;
@@ -285,7 +285,7 @@ typedef struct tandem_configuration {
   const double *sphere_velocity;   /* [m/s] (sphere_count x 3) */
   const double *sphere_radius;     /* [m] (sphere_count) */
   const uint32_t *sphere_material; /* index in materials (sphere_count) */
-  double domain_min[3], domain_max[3]; /* spheres that leave it are removed and counted; a liquid stays inside [m] */
+  double domain_min[3], domain_max[3]; /* spheres that leave it are removed and counted; so are particles of a liquid [m] */
   size_t control_count;            /* number of control inputs */
   size_t element_count;            /* number of columns of elements.csv */
   const char *const *element_columns; /* their names, "drive.torque" (docs/results.md) */

@@ -20,6 +20,9 @@ namespace {
 #define SPH(liquids, more) "[" SPH_WITH(liquids, more) "]"
 #define FILL(boxes) SPH(R"({"name": "water", "density": 1000, "viscosity": 0.001, "fill": [)" boxes "]}", "")
 
+#define FOLLOWING(more, body) \
+  "[" SPH_WITH(LIQUID(""), more) R"(, {"op": "add", "path": "/sph/domain/follows", "value": ")" body R"("}])"
+
 #define TUB                                                                                                       \
   R"("walls": [{"name": "tub", "position": [0.1, 0.1, 0.1], "shape": {"type": "box", "size": [0.3, 0.3, 0.3]}},)" \
   R"({"name": "floor", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],)"
@@ -83,7 +86,7 @@ TEST(Sph, IsRead) {
   ASSERT_TRUE(scene.sph && scene.sph->liquids.size() == 1);
   const Liquid& liquid = scene.sph->liquids[0];
   EXPECT_EQ(liquid.density, 1000);
-  EXPECT_EQ(liquid.velocity.x, 1);
+  EXPECT_EQ(liquid.velocity.value().x, 1);
   EXPECT_EQ(liquid.expected_speed, 3);
   EXPECT_FALSE(liquid.sound_speed);
   EXPECT_EQ(liquid.pressure, StartPressure::zero);
@@ -187,6 +190,22 @@ const WrongScene wrong_sph[] = {
      "sph.liquids[0].fill[1]: the box overlaps sph.liquids[0].fill[0] (the liquid would be there twice: let "
      "the "
      "boxes touch)"},
+    {"FollowsNoBody", FOLLOWING("", "crat"),
+     "sph.domain.follows: unknown name 'crat' (did you mean 'crate'?)"},
+    {"FollowsABodyWithoutWalls", FOLLOWING("", "arm"),
+     "sph.domain.follows: the body 'arm' carries no wall of the liquid (the solver of the liquid knows where "
+     "bodies with walls are: name one of those)"},
+    {"FollowsAlongAPlane",
+     FOLLOWING(R"("walls": [{"name": "tub", "body": "arm", "shape": {"type": "sphere", "radius": 0.5}},
+        {"name": "floor", "shape": {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}}],)",
+               "arm"),
+     "sph.domain.follows: the plane 'floor' ends where the domain is at the start, and is not on 'arm' (give "
+     "it as a box or a mesh that reaches along the whole way, or leave out follows)"},
+    {"FollowsWithAnInlet",
+     FOLLOWING(R"("walls": [{"name": "tub", "body": "arm", "shape": {"type": "sphere", "radius": 0.5}}],
+        "inlets": [{"name": "pipe", )" RECTANGLE R"(, "velocity": 1}],)",
+               "arm"),
+     "sph.domain.follows: inlets are on the ground, and the domain leaves it (leave out inlets or follows)"},
     {"LongStep", SPH(LIQUID(""), R"("micro_step": 0.5,)"),
      "sph.micro_step: the micro step of 0.5 s is longer than the window of 0.001 s (a window holds whole "
      "steps)"},

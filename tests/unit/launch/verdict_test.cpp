@@ -52,7 +52,7 @@ Json good_run() {
       "omega_H": 1, "stable_omega_H": 1.5, "stable_window_s": 2e-4,
       "stable_scheme": "linear_implicit"}},
     "sph": {"sound_speed_m_per_s": 20, "longest_step_s": 1e-4, "density_error": 0.01, "mach": 0.05, "passed_walls": 0,
-      "particles": 1000, "energy_residual_J": 0, "energy_scale_J": 10, "momentum_balance": 0},
+      "particles": 1000, "lost_kg": 0, "mass_in_all_kg": 100, "energy_residual_J": 0, "energy_scale_J": 10, "momentum_balance": 0},
     "warnings": []})");
 }
 
@@ -244,6 +244,11 @@ const std::vector<RuleCase>& rule_cases() {
        0.2,
        {"0.2 of the speed of sound", "sound_speed of 40 m/s (now 20)", "expected_speed of 4 m/s"}},
       {"passed_walls", "/sph/passed_walls", 0, 3, {"3 times a particle", "sound_speed of 30 m/s (now 20)"}},
+      {"lost_liquid",
+       "/sph/lost_kg",
+       0.09,
+       0.11,
+       {"0.11 of 100 kg of the liquid left the domain", "sph.domain", "sph.outlets"}},
       {"energy_liquid",
        "/sph/energy_residual_J",
        -0.099,

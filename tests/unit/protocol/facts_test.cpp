@@ -85,6 +85,9 @@ TEST(Facts, ThatAreImpossibleAreRefusedWithSolverKeyAndValue) {
   EXPECT_EQ(refused(Role::dem, R"({"spheres": 10, "went_out": 11})"),
             R"(the fact "went_out" is 11, and "spheres", of which it is a part, 10)");
   EXPECT_EQ(refused(Role::dem, R"({"spheres": 10, "went_out": 10, "came_in": 10})"), "taken");
+  EXPECT_EQ(refused(Role::sph, R"({"lost_kg": 2.5, "mass_in_all_kg": 2})"),
+            R"(the fact "lost_kg" is 2.5, and "mass_in_all_kg", of which it is a part, 2.0)");
+  EXPECT_EQ(refused(Role::sph, R"({"lost_kg": 2, "mass_in_all_kg": 2})"), "taken");
 }
 
 TEST(Facts, ThatAreNotFiniteAreRefusedWithSolverKeyAndValue) {

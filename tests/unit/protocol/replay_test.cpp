@@ -359,6 +359,14 @@ TEST(Difference, EachKindOfFieldIsNamed) {
   EXPECT_EQ(place(Kind::particles, moved, spheres), "sphere 9: velocity.z | 0.5 | 0 | 0.5");
   moved.id[1] = 8;
   EXPECT_EQ(place(Kind::particles, moved, spheres), "sphere 9: id | 8 | 9 | -1");
+  ParticlesFrame liquid = spheres;
+  liquid.liquid = {100, 1000, 200, 1001};
+  ParticlesFrame denser = liquid;
+  denser.liquid[3] = 1002;
+  EXPECT_EQ(place(Kind::particles, denser, liquid), "particle 9: density | 1002 | 1001 | 1");
+  denser.liquid[2] = 150;
+  EXPECT_EQ(place(Kind::particles, denser, liquid), "particle 9: pressure | 150 | 200 | -50");
+  EXPECT_EQ(place(Kind::particles, spheres, liquid), "number of values of the liquid | 0 | 4 | -4");
 
   Configured configured{{}, R"({"device": "here"})"}, there{{}, R"({"device": "there"})"};
   EXPECT_EQ(place(Kind::configured, configured, there), "equal") << "facts are about the machine";
