@@ -22,6 +22,7 @@ void expect_inputs_kept(const fs::path& folder, const Claim& claim) {
   std::error_code failure;
   const fs::path target = fs::weakly_canonical(fs::absolute(folder), failure);
   for (const fs::path& input : claim.inputs) {
+    if (input.empty()) continue;
     const fs::path inside = fs::weakly_canonical(fs::absolute(input), failure).lexically_relative(target);
     if (!inside.empty() && std::ranges::find(claim.names, inside.begin()->string()) != claim.names.end())
       throw Error(
