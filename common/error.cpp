@@ -52,6 +52,9 @@ Error::Error(ErrorCode code, std::string what, std::string where, std::string hi
   if (!where_.empty()) text_ = where_ + ": ";
   text_ += problem_;
   if (!hint_.empty()) text_ += " (" + hint_ + ")";
+  // The end of what() for its readers.
+  for (std::size_t at = text_.find('\0'); at != std::string::npos; at = text_.find('\0', at))
+    text_.replace(at, 1, "\\x00");
 }
 
 }  // namespace tandem

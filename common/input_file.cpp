@@ -55,8 +55,11 @@ class Opened {
     }
     const int failure = fstat(descriptor_, &status) == 0 ? 0 : errno;
     const bool open_to_others = input.secret != nullptr && (status.st_mode & 077) != 0;
+    // Root can read those as well.
+    const bool of_another = input.secret != nullptr && status.st_uid != geteuid();
     size_ = static_cast<std::uint64_t>(status.st_size);
-    if (failure == 0 && S_ISREG(status.st_mode) && size_ <= input.largest && !open_to_others) return;
+    if (failure == 0 && S_ISREG(status.st_mode) && size_ <= input.largest && !open_to_others && !of_another)
+      return;
     close(descriptor_);
     if (failure != 0)
       refuse(file, input, fmt::format("cannot be read: {}", std::strerror(failure)), input.hint);
@@ -64,6 +67,10 @@ class Opened {
       refuse(file, input, kind_of(status.st_mode),
              S_ISFIFO(status.st_mode) ? "write what comes through it to a file, and give that"
                                       : "give the path of a file");
+    if (of_another)
+      refuse(file, input,
+             fmt::format("this {} belongs to another user (uid {})", input.secret, status.st_uid),
+             "make one of your own");
     if (open_to_others)
       refuse(file, input, fmt::format("other users may read or write this {}", input.secret),
              "chmod 600 it, and make a new one if they did");

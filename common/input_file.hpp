@@ -23,7 +23,8 @@ inline constexpr std::uint64_t largest_mesh = std::uint64_t{2} << 30;
 inline constexpr std::uint64_t largest_particle_file = std::uint64_t{8} << 30;
 
 // The content of the file, once. Throws Error with the file as its place where it is a folder, a pipe, a
-// device or a socket, cannot be read, is larger than `input.largest`, or is a secret that others can read.
+// device or a socket, cannot be read, is larger than `input.largest`, or is a secret that others can read
+// or that belongs to another user.
 std::string read_input(const std::filesystem::path& file, const InputFile& input);
 
 // Throws as read_input() does, and reads nothing: for files that a library opens by their name.

@@ -99,6 +99,7 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
     expect_stack();
+    expect_open_files();
     log::setup("tandem");
     expect_utf8(words);
     expect_known_words(app, words);

@@ -536,11 +536,19 @@ struct Settle {
   double at_most = 10;        // of simulated time [s]
 };
 
+// Two materials without a pair that have some constants of the contact law, but not all.
+struct IncompletePair {
+  MaterialId a, b;
+  std::string missing, by;   // key that materials or a pair can have, what needs it
+  bool of_materials = true;  // false: only a pair can have the key
+};
+
 struct Dem {
   std::string server;                       // as in Mbd
   std::vector<std::string> solver_options;  // as in Mbd
   std::vector<Material> materials;
   std::vector<Pair> pairs;
+  std::vector<IncompletePair> incomplete_pairs;
   ContactLaw contact = ContactLaw::hertz_mindlin;
   bool rolling = false;        // rolling resistance: an elastic-plastic spring and a dashpot
   bool twisting = false;       // torsional resistance: about the normal

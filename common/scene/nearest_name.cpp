@@ -31,7 +31,8 @@ const std::string* nearest_name(std::string_view unknown, const std::vector<std:
   for (const std::string& name : names) {
     if (unknown.size() > longest_compared || name.size() > longest_compared) continue;
     const std::size_t distance = edit_distance(unknown, name);
-    if (distance < nearest_distance) {
+    // Names that share no character are no misspellings of each other.
+    if (distance < nearest_distance && distance < std::max(unknown.size(), name.size())) {
       nearest = &name;
       nearest_distance = distance;
     }

@@ -1,4 +1,5 @@
 // The constants of contacts: given for a pair, or combined from those of its two materials.
+#include <algorithm>
 #include <cmath>
 
 #include "common/scene/parse_parts.hpp"
@@ -128,10 +129,18 @@ void parse_pairs(const Node& node, Dem& dem) {
       if (given[a * materials.size() + b]) continue;
       Pair pair{MaterialId{a}, MaterialId{b}};
       for (const Constant& c : constants) combine(c, materials[a], materials[b], pair);
-      bool complete = true;
-      for (const Need& need : needed)
-        complete = complete && combine(*find(need.key), materials[a], materials[b], pair);
-      if (complete) dem.pairs.push_back(pair);
+      const auto lacks = [&](const Need& need) {
+        return !combine(*find(need.key), materials[a], materials[b], pair);
+      };
+      const auto first = std::ranges::find_if(needed, lacks);
+      if (first == needed.end()) {
+        dem.pairs.push_back(pair);
+      } else if (!std::ranges::all_of(needed, lacks)) {
+        const char* of_materials = find(first->key)->material_key;
+        dem.incomplete_pairs.push_back({MaterialId{a}, MaterialId{b},
+                                        of_materials ? of_materials : first->key, first->by,
+                                        of_materials != nullptr});
+      }
     }
 }
 

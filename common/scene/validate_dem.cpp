@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -26,9 +28,14 @@ void validate_pairs(const Dem& dem, const std::string& origin) {
            "keep one of them; the order of a and b does not matter");
   }
   const auto require = [&](MaterialId a, MaterialId b, const std::string& who) {
-    if (!given.contains(key_of(a, b)))
-      fail(origin, "dem.pairs", "no pair of " + name(a) + " and " + name(b),
-           who + " can meet: add their pair");
+    if (given.contains(key_of(a, b))) return;
+    for (const IncompletePair& pair : dem.incomplete_pairs)
+      if (key_of(pair.a, pair.b) == key_of(a, b))
+        fail(origin, pair.of_materials ? "dem.materials" : "dem.pairs",
+             fmt::format("{} and {} have no '{}', which {} needs", name(a), name(b), pair.missing, pair.by),
+             fmt::format("{} can meet: give it {}their pair", who,
+                         pair.of_materials ? "to both, or to " : "to "));
+    fail(origin, "dem.pairs", "no pair of " + name(a) + " and " + name(b), who + " can meet: add their pair");
   };
   for (const ParticleGroup& group : dem.particles) {
     if (group.fixed) continue;  // is in contact with other groups only, which are checked in turn

@@ -102,6 +102,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   const std::size_t present = fill.position.size();
   append_waiting(inlets, scene_, fill);
   check_speeds(fill, *scene_.dem, largest_speed);
+  check_spins(fill, *scene_.dem, largest_speed);
   Spheres spheres = to_spheres(fill);
   spheres.waiting = spheres.size() - present;
   traffic_ = Traffic(scene_, inlets, static_cast<std::uint32_t>(present));

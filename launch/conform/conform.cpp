@@ -1,6 +1,8 @@
 #include "launch/conform/conform.hpp"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -14,6 +16,8 @@
 #include "launch/coordinator/processes.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/server_command.hpp"
+#include "launch/run_folder/claimed_folder.hpp"
+#include "protocol/fd.hpp"
 
 namespace tandem::conform {
 namespace {
@@ -57,13 +61,15 @@ int conform(const ConformOptions& options) {
   const launch::ServerCommand command = command_of_participant(options);
   std::optional<JudgedScene> scene;
   if (!options.scene.empty()) scene = scene_of_user(options.scene, options.role);
-  std::filesystem::path log = "/dev/null";
+  // Without a folder what it writes is kept in memory, for the last words of one that ends.
+  const protocol::Fd unnamed(memfd_create("participant.log", MFD_CLOEXEC));
+  std::filesystem::path log =
+      unnamed ? fmt::format("/proc/{}/fd/{}", getpid(), unnamed.get()) : std::string("/dev/null");
   if (!options.out.empty()) {
-    std::error_code failure;
-    std::filesystem::create_directories(options.out, failure);
-    if (failure)
-      throw Error(ErrorCode::usage, "cannot be created: " + failure.message(), options.out.string(),
-                  "give another --out");
+    launch::claim_folder(options.out,
+                         {"conform",
+                          {"conform.json", "conform.html", "participant.log"},
+                          {options.scene.empty() ? command.program : options.scene, command.program}});
     log = std::filesystem::absolute(options.out / "participant.log");
     replace_file(log, "");
   }

@@ -26,6 +26,11 @@ void judge_one(Subject& subject, const JudgedScene& scene, const Limits& limits,
   } catch (const SceneRefused& error) {
     result.outcome = Outcome::refused;
     result.sentence = error.what();
+  } catch (const Error& error) {
+    result.sentence = error.what();
+    // Why it has ended, in its own words.
+    const std::string words = error.code() == ErrorCode::peer_lost ? subject.last_words() : "";
+    if (!words.empty()) result.sentence += "; its last line: " + words;
   } catch (const std::exception& error) {
     result.sentence = error.what();
   }

@@ -1,5 +1,9 @@
 #include "launch/conform/subject.hpp"
 
+#include <cstdint>
+#include <fstream>
+
+#include "common/utf8.hpp"
 #include "launch/coordinator/processes.hpp"
 #include "launch/coordinator/watched_channel.hpp"
 #include "protocol/endpoint.hpp"
@@ -36,6 +40,9 @@ class Program final : public Subject {
   protocol::Role role() const override { return role_; }
 
   std::unique_ptr<Instance> start(const std::filesystem::path& state_folder) override {
+    std::error_code unknown;
+    log_begin_ = std::filesystem::file_size(log_, unknown);
+    if (unknown) log_begin_ = 0;
     const std::string name = launch::start_of(program_, role_, {}).name;
     protocol::Endpoint endpoint =
         transport_ == Transport::shm ? protocol::create_shm(name) : protocol::create_stream(name);
@@ -52,11 +59,24 @@ class Program final : public Subject {
     return std::make_unique<Started>(std::move(endpoint), command);
   }
 
+  std::string last_words() const override {
+    std::ifstream file(log_, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(log_begin_));
+    std::string line, last;
+    while (std::getline(file, line))
+      // The kit's command line gives this advice after an error.
+      if (line.find_first_not_of(" \t\r") != std::string::npos &&
+          line != "Run with --help for more information.")
+        last = line;
+    return printable(shortened(last, 300));
+  }
+
  private:
   protocol::Role role_;
   launch::ServerCommand program_;
   Transport transport_;
   std::filesystem::path log_;
+  std::uintmax_t log_begin_ = 0;  // size of the log at the last start
 };
 
 }  // namespace

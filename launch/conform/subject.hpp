@@ -31,6 +31,8 @@ class Subject {
   virtual protocol::Role role() const = 0;
   // `state_folder`: folder in which it may write and read states; empty: none.
   virtual std::unique_ptr<Instance> start(const std::filesystem::path& state_folder) = 0;
+  // What the last instance has written to its standard error: the last line. Empty where that is not known.
+  virtual std::string last_words() const { return {}; }
 };
 
 enum class Transport { shm, stream };

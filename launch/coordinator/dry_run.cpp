@@ -21,6 +21,11 @@ std::vector<std::string> DryRun::warnings() const {
   std::vector<std::string> all = facts.mbd.warnings.value_or(std::vector<std::string>{});
   for (const auto& more : {facts.dem.warnings, facts.sph.warnings})
     if (more) all.insert(all.end(), more->begin(), more->end());
+  if (facts.mbd.locked.value_or(0) > 0)
+    all.emplace_back(
+        "the loops leave the machine no degree of freedom, so that nothing moves, and a run is suspect: "
+        "check "
+        "lengths and axes of its loops and leave out a joint that it does not need");
   return all;
 }
 

@@ -10,6 +10,8 @@
 #include <numeric>
 #include <set>
 
+#include "launch/coordinator/contact_sizes.hpp"
+
 namespace tandem::launch {
 namespace {
 
@@ -129,6 +131,7 @@ void review_units(const SceneFile& file, std::vector<std::string>& warnings) {
     else if (machine > 0 && machine < suspiciously_small * domain)
       warnings.push_back(what + ": is either given in another unit than m? then multiply it by 1e3 or 1e-3");
   }
+  review_contact_sizes(file, machine, warnings);
   if (machine == 0) return;
   std::size_t heavy = 0;
   std::string first;

@@ -19,6 +19,9 @@ class GrainWatches {
 
   const SceneSpheres& spheres() const { return particles_->spheres(); }
 
+  // The run continues from a checkpoint, before which so many spheres were lost.
+  void continue_after(std::uint64_t lost) { particles_->continue_after(lost); }
+
   // A window that was accepted: what the grains did in it. Throws Error{protocol} where that is impossible.
   void record(const Exchange& window);
   // A frame that was received at once. Throws Error{protocol} where it is the first one and has other spheres

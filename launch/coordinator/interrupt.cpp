@@ -48,6 +48,8 @@ InterruptGuard::~InterruptGuard() {
   sigaction(SIGINT, &previous_int, nullptr);
   sigaction(SIGTERM, &previous_term, nullptr);
   sigaction(SIGHUP, &previous_hup, nullptr);
+  stop_requested = 0;
+  hung_up = 0;
 }
 
 bool interrupted() {

@@ -13,7 +13,7 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 };
 
-// True after the first of them.
+// True after the first of them, while there is a guard.
 bool interrupted();
 
 }  // namespace tandem::launch

@@ -12,6 +12,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
+#include "launch/coordinator/interrupt.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
@@ -144,6 +145,13 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
   };
   protocol::ShmOptions shm;
   if (options.lease) shm.lease = *options.lease;
+  // While one server is waited for, any other may end.
+  const auto watch = [this] {
+    if (!begun_ && interrupted())
+      throw Error(ErrorCode::interrupted, "the run was interrupted before its first window");
+    if (const auto found = death(0ms)) throw Error(ErrorCode::peer_lost, found->sentence);
+  };
+  shm.idle = watch;
 
   std::vector<Role> roles;
   if (scene.mbd) roles.push_back(Role::mbd);
@@ -201,10 +209,6 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     channels.push_back(std::move(channel));
   }
 
-  // While one server is waited for, any other may end.
-  const auto watch = [this] {
-    if (const auto found = death(0ms)) throw Error(ErrorCode::peer_lost, found->sentence);
-  };
   for (std::size_t i = 0; i < participants_.size(); ++i) {
     const Role role = participants_[i]->role;
     if (!channels[i] && options.transport == Transport::shm)

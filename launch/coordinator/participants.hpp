@@ -28,6 +28,9 @@ class Participants {
   Participants& operator=(const Participants&) = delete;
 
   Solvers solvers() const;
+  // The first window begins: an interrupt no longer ends a wait for a participant, because the window is
+  // completed.
+  void begin() { begun_ = true; }
   // Sends `error` to all participants.
   void fail(const Error& error) noexcept;
   struct Death {
@@ -61,7 +64,7 @@ class Participants {
   std::vector<std::unique_ptr<Participant>> participants_;
   std::filesystem::path log_;
   std::uintmax_t log_begin_ = 0;  // size of the log at the start
-  bool may_leave_ = false;
+  bool begun_ = false, may_leave_ = false;
 };
 
 }  // namespace tandem::launch

@@ -18,6 +18,8 @@ using protocol::ParticlesFrame;
 // Participants may compute the mass of a sphere in single precision.
 constexpr double mass_share = 1e-5;
 constexpr double allowed_place = 1e-3;  // of the radius
+// Share of the energy of a run below which spheres are at rest: a millionth of its velocities.
+constexpr double rest_share = 1e-12;
 // Lever arm of the forces on a body, of the largest radius, that counts as torque: forces whose torques
 // cancel leave their rounding, and a solver that gives no torques at all is judged by its forces.
 constexpr double smallest_arm = 0.1;
@@ -112,7 +114,7 @@ void ParticleWatch::record(const Exchange& exchange) {
       before_.domain_shift = {path->begin_pose.p_WB - start, path->end_pose.p_WB - start};
     }
   if (framed_) add_torques(exchange);
-  before_.lost_before = before_.account ? before_.account->lost_particles : 0;
+  before_.lost_before = before_.account ? before_.account->lost_particles : lost_at_begin_;
   before_.account = load.account;
   before_.window = load.window.length();
 }
@@ -208,7 +210,7 @@ ParticleWatch::Sums ParticleWatch::count_false_and_sum(const ParticlesFrame& fra
     if (spheres > worst.spheres) worst = {spheres, time, example()};
   };
   Sums sums;
-  sums.lost = before.account ? before.account->lost_particles : 0;
+  sums.lost = before.account ? before.account->lost_particles : lost_at_begin_;
   sums.spheres = frame.id.size();
   const std::uint64_t count = sums.spheres, most = spheres_.in_all - std::min(sums.lost, spheres_.in_all);
   const std::uint64_t least = open_ ? 0 : most;
@@ -274,17 +276,25 @@ ParticleWatch::Sums ParticleWatch::count_false_and_sum(const ParticlesFrame& fra
 }
 
 void ParticleWatch::compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
-                                    Found& found) {
+                                    Found& found) const {
   found.compared = true;
+  // Spheres at rest have what rounding leaves. The energy is compared with a share of that of a fall of all
+  // of them through the largest radius, or of the largest energy so far.
+  found.largest_energy = std::max({found.largest_energy, sums.energy, account.kinetic_energy,
+                                   sums.mass * norm(scene_.gravity) * largest_radius_});
+  const double least_energy = rest_share * found.largest_energy,
+               least_momentum = std::sqrt(2 * sums.mass * least_energy);
   const double momentum = norm(sums.momentum - account.momentum_end);
   const double share =
-      momentum == 0 ? 0 : momentum / std::max(sums.momentum_size, norm(account.momentum_end));
+      momentum == 0 ? 0
+                    : momentum / std::max({sums.momentum_size, norm(account.momentum_end), least_momentum});
   if (!(share <= found.differences[0].share))
     found.differences[0] = {share, time,
                             fmt::format("is {} kg m/s, and {} kg m/s in the account",
                                         vector_text(sums.momentum), vector_text(account.momentum_end))};
   const double energy = std::abs(sums.energy - account.kinetic_energy);
-  const double of_energy = energy == 0 ? 0 : energy / std::max(sums.energy, account.kinetic_energy);
+  const double of_energy =
+      energy == 0 ? 0 : energy / std::max({sums.energy, account.kinetic_energy, least_energy});
   if (!(of_energy <= found.differences[1].share))
     found.differences[1] = {
         of_energy, time,

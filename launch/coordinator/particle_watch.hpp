@@ -36,6 +36,9 @@ class ParticleWatch {
 
   const SceneSpheres& spheres() const { return spheres_; }
 
+  // The run continues from a checkpoint: so many spheres were lost before.
+  void continue_after(std::uint64_t lost) { lost_at_begin_ = lost; }
+
   // A window that was accepted. Throws Error{protocol} where the account is impossible with this scene.
   void record(const Exchange& exchange);
   // Sums over the windows since a frame. Places are relative to the centre of the domain.
@@ -94,6 +97,7 @@ class ParticleWatch {
     std::array<FalseSpheres, 3> false_spheres;
     std::array<FrameDifference, 4> differences;
     bool compared = false;
+    double largest_energy = 0;                       // kinetic [J]
     double angular_residual = 0, angular_scale = 0;  // sums over the frames [N m s]
   };
 
@@ -102,8 +106,8 @@ class ParticleWatch {
   void add_torques(const Exchange& exchange);
   // Both in one pass over the spheres.
   Sums count_false_and_sum(const protocol::ParticlesFrame& frame, const Before& before, Found& found) const;
-  static void compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
-                              Found& found);
+  void compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
+                       Found& found) const;
   void compare_gravity(const Sums& sums, const Before& before, double time, Found& found) const;
   void compare_angular(const Sums& sums, const Interval& interval, double time, Found& found) const;
   Found found() const;
@@ -114,6 +118,7 @@ class ParticleWatch {
   Vec3d origin_;               // centre of the domain [m]
   bool open_;                  // spheres come in or go out
   bool periodic_;
+  std::uint64_t lost_at_begin_ = 0;
   Before before_;             // the next frame
   bool framed_ = false;       // there was a frame, so that the interval counts
   std::optional<Sums> last_;  // of the last frame

@@ -10,6 +10,7 @@
 #include "common/scene/parse.hpp"
 #include "common/scene/particle_file.hpp"
 #include "common/scene/sizes.hpp"
+#include "launch/coordinator/check_bed.hpp"
 #include "launch/coordinator/run_frame.hpp"
 #include "launch/coordinator/scene_spheres.hpp"
 #include "launch/coordinator/settle.hpp"
@@ -57,8 +58,8 @@ class Placing {
   void take_frames_of_runs() {
     for (std::size_t i = 0; i < groups().size(); ++i)
       if (const auto* fill = std::get_if<scene::RunFill>(&groups()[i].fill)) {
-        const RunFrame frame =
-            read_run_frame(scene::resolve_file(fill->folder, folder_), fill->time, place_of(i));
+        file_.inputs.push_back(scene::resolve_file(fill->folder, folder_));
+        const RunFrame frame = read_run_frame(file_.inputs.back(), fill->time, place_of(i));
         expect_in_domain(frame.spheres, *given_.dem, place_of(i), "enlarge dem.domain");
         insert(i, frame.spheres, fmt::format("run {}, t = {:.6g} s", fill->folder, frame.time), {});
       }
@@ -90,6 +91,13 @@ class Placing {
     const SettleCache cache;
     const SettleKey key = key_of(file_, wanted);
     std::optional<CachedBed> bed = cache.find(key, file_.log);
+    if (bed) {
+      const std::string problem = problem_of(*bed, given_, particles::make_fill(known_, particles_in(file_)));
+      if (!problem.empty()) {
+        file_.log.push_back("a settled bed in the cache is not used, and is made anew: " + problem);
+        bed.reset();
+      }
+    }
     const bool from_cache = bed.has_value();
     if (!bed) {
       pack();

@@ -83,8 +83,15 @@ Process::Process(const Command& command) {
   sigaddset(&defaults, SIGPIPE);
   sigaddset(&defaults, SIGXFSZ);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
+  // systemd and batch systems send these to all programs of a run: this one needs the others for the end of
+  // the window and the checkpoint, and ends them itself.
+  sigset_t held;
+  pthread_sigmask(SIG_SETMASK, nullptr, &held);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&held, signal);
+  posix_spawnattr_setsigmask(&attributes, &held);
   posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
 
   std::string python;
   const std::vector<char*> environment = environment_of(command, python);

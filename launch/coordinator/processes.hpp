@@ -29,13 +29,15 @@ struct Command {
 
 class Process {
  public:
-  // The process gets its own process group, so that a Ctrl-C at the terminal reaches only the coordinator,
-  // which then ends the run in order. Throws Error{resource} when it cannot be started.
+  // The process gets its own process group, and holds SIGINT, SIGTERM and SIGHUP back: a Ctrl-C at the
+  // terminal, and a signal that a batch system sends to all programs, reach only the coordinator, which then
+  // ends the run in order. Throws Error{resource} when it cannot be started.
   explicit Process(const Command& command);
   // Starts `program` of program_folder().
   Process(const std::string& program, const std::vector<std::string>& arguments,
           const std::vector<int>& inherited, const std::filesystem::path& log);
-  // Ends the process if it still runs: SIGTERM first, SIGKILL after a quarter of a second.
+  // Ends the process if it still runs: SIGTERM first, for those that take it, SIGKILL after a quarter of a
+  // second.
   ~Process();
   Process(Process&& other) noexcept;
   Process& operator=(Process&&) = delete;

@@ -24,6 +24,7 @@
 #include "launch/coordinator/half_steps.hpp"
 #include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/kept_frames.hpp"
+#include "launch/coordinator/kept_scene.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/run_frames.hpp"
 #include "launch/coordinator/start.hpp"
@@ -33,6 +34,7 @@
 #include "launch/coordinator/window_log.hpp"
 #include "launch/report/report.hpp"
 #include "launch/results/results.hpp"
+#include "launch/run_folder/inputs.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "launch/run_folder/registry.hpp"
 #include "launch/run_folder/run_folder.hpp"
@@ -198,6 +200,7 @@ void Run::start() {
     phase_ = "while the state was read";
     resume(options_.restart, file_, solvers_, *coupler_, results_);
     now_ = begin_ = coupler_->now();
+    if (watches_) watches_->continue_after(coupler_->accounts().particles().account().lost_particles);
     if (now_ >= end_)
       throw Error(
           ErrorCode::usage,
@@ -215,6 +218,7 @@ void Run::advance() {
   log::info("windows of {:.6g} s, scheme {}", scene_.coupling.window, name(scene_.coupling.scheme));
 
   phase_ = "before the first window";
+  participants_->begin();
   stopwatch_.start(solvers_);
   observe();
   frames_.write(between_windows());
@@ -412,12 +416,28 @@ Error Run::explain(const Error& error) {
   return explained(error, phase_, participants_.get());
 }
 
-// The folder to be emptied must not contain the checkpoint from which the run continues.
-void expect_outside(const std::filesystem::path& checkpoint, const std::filesystem::path& folder) {
-  const std::string inner = std::filesystem::weakly_canonical(checkpoint).string() + '/';
-  if (inner.starts_with(std::filesystem::weakly_canonical(folder).string() + '/'))
-    throw Error(ErrorCode::usage, "the run to continue from is in the folder of the results", folder.string(),
-                "give another --out");
+// All that a run reads: it must not be among the files of an earlier run that this one removes.
+std::vector<std::filesystem::path> inputs_of(const SceneFile& file, const RunOptions& options,
+                                             const ForeignServers& foreign) {
+  std::vector<std::filesystem::path> inputs = file.inputs;
+  const auto add = [&inputs](const std::filesystem::path& path) {
+    std::error_code unknown;
+    if (!path.empty() && std::filesystem::exists(path, unknown)) inputs.push_back(path);
+  };
+  add(options.restart);
+  // The rows before the checkpoint are in the folder of its run.
+  if (!options.restart.empty())
+    for (const char* rows : {"bodies.csv", "joints.csv", "elements.csv"})
+      add(std::filesystem::absolute(options.restart).parent_path().parent_path() / rows);
+  add(options.secret_file);
+  add(options.certificates);
+  for (const protocol::Role role : protocol::all_roles) {
+    const auto& command = foreign.of(role);
+    if (!command) continue;
+    add(command->program);
+    for (const std::string& argument : command->arguments) add(argument);
+  }
+  return inputs;
 }
 
 // A closed terminal is not an error of the run: its results are in the folder.
@@ -440,14 +460,15 @@ int run(const RunOptions& given, Controller* controller) {
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
-  if (!options.record.empty()) protocol::Recorder::expect_replaceable(options.record);
-  if (!options.restart.empty()) {
-    options.restart = find_checkpoint(options.restart);
-    expect_outside(options.restart, options.folder);
+  if (!options.record.empty()) {
+    protocol::Recorder::expect_replaceable(options.record);
+    expect_free_name(options.record, options.folder, "--record");
   }
+  if (!options.restart.empty()) options.restart = find_checkpoint(options.restart);
   const InterruptGuard guard;
   take_stream_signals_as_errors();
-  RunFolder folder(options.folder, file.scene.name, last_words(file.scene));
+  RunFolder folder(options.folder, file.scene.name, last_words(file.scene),
+                   inputs_of(file, options, foreign));
   const RegistryEntry entry(folder.path());
   log::setup("tandem", "info", (options.folder / "run.log").string());
   if (options.quiet) log::quiet();
@@ -486,6 +507,7 @@ int run(const RunOptions& given, Controller* controller) {
   };
   try {
     summary.write(summary_file);
+    keep_scene(file, options.folder);
     frames.emplace(options.record, options.folder);
     running.emplace(file, options, foreign, controller, folder, summary, frames->sink());
     running->execute();

@@ -65,7 +65,8 @@ std::vector<TriangleMesh> import_meshes(const std::filesystem::path& folder, Sce
     const std::string& name = scene::file_of(shape.geometry);
     if (name.empty()) continue;
     const double scale = scene::scale_of(shape.geometry);
-    meshes[i] = import_mesh(scene::resolve_file(name, folder), scale);
+    file.inputs.push_back(scene::resolve_file(name, folder));
+    meshes[i] = import_mesh(file.inputs.back(), scale);
     if (shape.use != scene::ShapeUse::wall || scene::is_made_of_facets(shape.geometry)) continue;
     if (is_there(shape.name, file)) continue;  // it is of grains and of the liquid
     file.mesh_facts.push_back({shape.name, name, scale, facts_of(meshes[i])});
@@ -92,13 +93,15 @@ void make_facets(const std::vector<TriangleMesh>& in_files, SceneFile& file) {
 }
 
 // Triangles of the files of mbd.contact.ground, in the order of its shapes.
-std::vector<TriangleMesh> import_ground(const std::filesystem::path& folder, const scene::Scene& scene) {
+std::vector<TriangleMesh> import_ground(const std::filesystem::path& folder, SceneFile& file) {
   std::vector<TriangleMesh> meshes;
-  if (!scene.contact) return meshes;
-  for (const scene::Shape& shape : scene.contact->ground) {
+  if (!file.scene.contact) return meshes;
+  for (const scene::Shape& shape : file.scene.contact->ground) {
     TriangleMesh& mesh = meshes.emplace_back();
-    if (const std::string& name = scene::file_of(shape.geometry); !name.empty())
-      mesh = import_mesh(scene::resolve_file(name, folder), scene::scale_of(shape.geometry));
+    const std::string& name = scene::file_of(shape.geometry);
+    if (name.empty()) continue;
+    file.inputs.push_back(scene::resolve_file(name, folder));
+    mesh = import_mesh(file.inputs.back(), scene::scale_of(shape.geometry));
   }
   return meshes;
 }
@@ -136,7 +139,7 @@ void draw(const std::vector<TriangleMesh>& in_files, const std::vector<TriangleM
 // Replaces shapes, orientations and poses by what solvers know.
 void make_plain(const std::filesystem::path& folder, SceneFile& file) {
   const std::vector<TriangleMesh> in_files = import_meshes(folder, file),
-                                  of_ground = import_ground(folder, file.scene);
+                                  of_ground = import_ground(folder, file);
   if (file.scene.is_plain) {
     send_contact_meshes(in_files, of_ground, file);
     draw(in_files, of_ground, file);
@@ -154,6 +157,7 @@ void import_particles(const scene::Dem& dem, const std::filesystem::path& folder
   for (const scene::ParticleGroup& group : dem.particles)
     if (const auto* fill = std::get_if<scene::FileFill>(&group.fill)) {
       const std::filesystem::path path = scene::resolve_file(fill->file, folder);
+      file.inputs.push_back(path);
       file.files.push_back({group.name, read_input(path, {.largest = largest_particle_file})});
       if (!group.fixed)
         dem::check_micro_step(dem, file.origin, group.material,
@@ -168,8 +172,10 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
                      const std::optional<SettleOn>& on) {
   SceneFile file;
   file.origin = path.string();
+  file.inputs.push_back(path);
   file.text = read_input(path, {.largest = largest_text, .hint = "give the path of a scene"});
   apply(overrides, file);
+  file.given = file.text;
   file.scene = scene::parse(file.text, file.origin);
   scene::validate(file.scene, file.origin);
   scene::validate_files(file.scene, file.origin, path.parent_path());

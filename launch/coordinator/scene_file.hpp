@@ -47,6 +47,7 @@ struct SceneFile {
   // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
   // scene.
   std::string text;
+  std::string given;                  // as written, including the overrides
   std::string origin;                 // path of the file, for messages
   scene::Scene scene;                 // parsed and validated
   std::vector<std::string> warnings;  // problems that the user should see with the results
@@ -60,6 +61,8 @@ struct SceneFile {
   std::vector<PlacedGroup> placed;
   std::optional<SettledBed> settled;
   std::vector<std::string> log;  // of settling and of its cache
+  // Every file and folder from which this was read, the scene first.
+  std::vector<std::filesystem::path> inputs;
 };
 
 // Throws every error of the scene and of the files that it names. Places the spheres, and lets them settle;

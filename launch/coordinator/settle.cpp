@@ -81,6 +81,35 @@ Settled spheres_in(const protocol::ParticlesFrame& frame, const particles::Fill&
   return settled;
 }
 
+// The first sphere of `before` that is no longer there, and the face of the domain that is nearest to where
+// it was going: "the first is sphere 3 of 'grains', last seen at (0, 0, -0.1) m, near the face z = -0.2 m".
+std::string where_it_left(const protocol::ParticlesFrame& before, const protocol::ParticlesFrame& now,
+                          const particles::Fill& fill, const scene::Scene& scene) {
+  for (std::size_t i = 0; i < before.id.size(); ++i) {
+    const std::uint32_t id = before.id[i];
+    if (std::ranges::binary_search(now.id, id)) continue;
+    const double ahead = to_seconds(now.time - before.time);
+    const scene::Box& domain = scene.dem->domain;
+    Vec3d seen;
+    int axis = 0;
+    bool upper = false;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < 3; ++a) {
+      seen[a] = before.position[3 * i + static_cast<std::size_t>(a)];
+      const double next = seen[a] +
+                          ahead * static_cast<double>(before.velocity[3 * i + static_cast<std::size_t>(a)]) +
+                          0.5 * ahead * ahead * scene.gravity[a];
+      for (const bool high : {false, true})
+        if (const double gap = high ? domain.max[a] - next : next - domain.min[a]; gap < nearest)
+          nearest = gap, axis = a, upper = high;
+    }
+    return fmt::format("; the first is sphere {} of '{}', last seen at {} m, near the face {} = {:.6g} m", id,
+                       scene.dem->particles[fill.group[id]].name, scene::rounded(seen), "xyz"[axis],
+                       (upper ? domain.max : domain.min)[axis]);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string settling_scene(const std::string& text) {
@@ -135,16 +164,19 @@ Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleO
     auto last_line = std::chrono::steady_clock::now();
     double energy = 0;
     int quiet = 0;
+    protocol::ParticlesFrame seen;  // about a fall through the largest radius ago
     while (to_seconds(motion.window.end) < settle.at_most) {
       motion.window = {motion.window.index + (motion.window.end.count > 0 ? 1 : 0), motion.window.end,
                        Nanoseconds{motion.window.end.count + std::llround(window * 1e9)}};
       const protocol::ParticleAccount& account = solver->advance(motion).account;
       const double time = to_seconds(motion.window.end);
       if (account.lost_particles > 0)
-        throw Error(ErrorCode::scene,
-                    fmt::format("{} spheres have left the domain by t = {:.4g} s of settling",
-                                account.lost_particles, time),
-                    where, "close the container for the start, or enlarge dem.domain");
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("{} spheres have left the domain by t = {:.4g} s of settling{}",
+                        account.lost_particles, time, where_it_left(seen, solver->observe(), fill, scene)),
+            where, "close the container for the start, or enlarge dem.domain");
+      if (motion.window.index % windows_of_fall == 0) seen = solver->observe();
       energy = account.kinetic_energy / spheres;
       quiet = energy < settle.kinetic_energy ? quiet + 1 : 0;
       if (quiet > windows_of_fall) {

@@ -1,6 +1,7 @@
 #include "launch/coordinator/settle_cache.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -127,6 +128,48 @@ std::uint64_t size_of(const SettleKey& key, const CachedBed& bed) {
   return bytes;
 }
 
+// Why a bed of this user in the folder could be one that another user has put there; empty: it could not.
+std::string danger_of(const fs::path& folder) {
+  struct stat facts {};
+  if (stat(folder.c_str(), &facts) != 0) return {};
+  if (facts.st_uid != geteuid() && facts.st_uid != 0)
+    return fmt::format("belongs to another user (uid {})", facts.st_uid);
+  // In a folder with the sticky bit, such as /tmp, only their owner can replace files.
+  if ((facts.st_mode & (S_IWGRP | S_IWOTH)) != 0 && (facts.st_mode & S_ISVTX) == 0)
+    return "can be written by other users";
+  return {};
+}
+
+// The same for one file.
+std::string danger_of_file(const fs::path& file) {
+  struct stat facts {};
+  if (lstat(file.c_str(), &facts) != 0) return {};
+  if (!S_ISREG(facts.st_mode)) return "is not a plain file";
+  if (facts.st_uid != geteuid()) return fmt::format("belongs to another user (uid {})", facts.st_uid);
+  if ((facts.st_mode & (S_IWGRP | S_IWOTH)) != 0) return "can be written by other users";
+  return {};
+}
+
+constexpr std::string_view bed_prefix = "settled_", bed_suffix = ".h5";
+
+// Whether this is the name of a bed, and not that of a file of the user in a folder that is a cache as well.
+bool is_bed(std::string_view name) {
+  if (!name.starts_with(bed_prefix) || !name.ends_with(bed_suffix)) return false;
+  name.remove_prefix(bed_prefix.size());
+  name.remove_suffix(bed_suffix.size());
+  return name.size() == 32 && name.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+// "draft_1234_settled_KEY.h5", or what it is written as before.
+bool is_draft(std::string_view name) {
+  if (!name.starts_with(draft_prefix)) return false;
+  name.remove_prefix(std::string_view(draft_prefix).size());
+  const std::size_t number = name.find_first_not_of("0123456789");
+  if (number == 0 || number == std::string_view::npos || name[number] != '_') return false;
+  name.remove_prefix(number + 1);
+  return is_bed(name.substr(0, name.find(bed_suffix) + bed_suffix.size()));
+}
+
 std::string variable(const char* name) {
   const char* text = std::getenv(name);
   return text == nullptr ? "" : text;
@@ -144,7 +187,7 @@ fs::path usual_folder() {
 }  // namespace
 
 std::string SettleKey::name() const {
-  return "settled_" + digest_text(text) + ".h5";
+  return fmt::format("{}{}{}", bed_prefix, digest_text(text), bed_suffix);
 }
 
 SettleKey key_of(const SceneFile& file, const scene::Settle& settle) {
@@ -175,6 +218,15 @@ std::optional<CachedBed> SettleCache::find(const SettleKey& key, std::vector<std
   const fs::path path = path_of(key);
   std::error_code failure;
   if (folder_.empty() || !fs::exists(path, failure)) return {};
+  const auto refuse = [&log](const fs::path& of, const std::string& danger, const char* remedy) {
+    log.push_back(fmt::format("a settled bed in the cache is not used, and is made anew: {} {}: {}",
+                              printable(of.string()), danger, remedy));
+    return std::nullopt;
+  };
+  if (const std::string danger = danger_of(folder_); !danger.empty())
+    return refuse(folder_, danger, "chmod go-w it, or name a folder of your own as TANDEM_CACHE");
+  if (const std::string danger = danger_of_file(path); !danger.empty())
+    return refuse(path, danger, "delete it");
   try {
     const StateReader file(path, kind, layout);
     if (file.text("key") != key.text) return {};
@@ -203,10 +255,10 @@ void SettleCache::make_room(std::uint64_t bytes, std::vector<std::string>& log) 
     std::error_code gone;  // another run may remove it meanwhile
     const std::string name = at->path().filename().string();
     // Of runs that died while they wrote.
-    if (name.starts_with(draft_prefix) &&
+    if (is_draft(name) &&
         fs::last_write_time(at->path(), gone) < fs::file_time_type::clock::now() - draft_age && !gone)
       fs::remove(at->path(), gone);
-    if (!name.starts_with("settled_") || !name.ends_with(".h5")) continue;
+    if (!is_bed(name)) continue;
     const Entry entry{at->path(), fs::last_write_time(at->path(), gone), fs::file_size(at->path(), gone)};
     if (gone) continue;
     entries.push_back(entry);
@@ -232,7 +284,9 @@ void SettleCache::keep(const SettleKey& key, const CachedBed& bed, std::vector<s
     return;
   }
   try {
-    fs::create_directories(folder_);
+    if (fs::create_directories(folder_)) fs::permissions(folder_, fs::perms::owner_all);
+    if (const std::string danger = danger_of(folder_); !danger.empty())
+      throw Error(ErrorCode::resource, danger, folder_.string(), "name a folder of your own as TANDEM_CACHE");
     make_room(bytes, log);
     // Two runs may write the same bed at once.
     const fs::path draft = folder_ / fmt::format("{}{}_{}", draft_prefix, getpid(), key.name());
@@ -240,6 +294,8 @@ void SettleCache::keep(const SettleKey& key, const CachedBed& bed, std::vector<s
     file.write("key", key.text);
     write(file, bed);
     file.commit();
+    // Whatever the umask is: a bed that others can write is not used.
+    fs::permissions(draft, fs::perms::owner_read | fs::perms::owner_write);
     fs::rename(draft, path_of(key));
     log.push_back("the settled bed is kept in " + printable(path_of(key).string()));
   } catch (const std::exception& error) {

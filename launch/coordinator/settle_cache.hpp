@@ -36,7 +36,8 @@ class SettleCache {
   SettleCache(std::filesystem::path folder, std::uint64_t limit)
       : folder_(std::move(folder)), limit_(limit) {}
 
-  // Nothing where it is not there, or is damaged: that is removed, and a sentence says it.
+  // Nothing where it is not there, or is damaged: that is removed, and a sentence says it. Nothing with a
+  // sentence where the folder or the file belongs to another user, or others can write it.
   std::optional<CachedBed> find(const SettleKey& key, std::vector<std::string>& log) const;
   // Beds that were not used for the longest time are removed first, until all have room. A sentence says
   // where the bed could not be kept; the run does not need it.

@@ -4,8 +4,10 @@
 
 #include "common/error.hpp"
 #include "common/utf8.hpp"
+#include "launch/coordinator/kept_scene.hpp"
 #include "launch/coordinator/scene_file.hpp"
 #include "launch/coordinator/scene_spheres.hpp"
+#include "launch/report/own_picture.hpp"
 #include "launch/report/preview.hpp"
 #include "launch/results/body_meshes.hpp"
 #include "launch/run_folder/run_state.hpp"
@@ -47,8 +49,9 @@ void preview(const std::filesystem::path& scene, std::filesystem::path out) {
   if (!out.empty() && out.extension() != ".png")
     throw Error(ErrorCode::usage, "'" + out.string() + "' is no name for a picture", "--output",
                 "let it end with .png");
-  const SceneFile file = read_scene(scene);
   if (out.empty()) out = scene.stem().string() + "_preview.png";
+  expect_own_or_new(out);
+  const SceneFile file = read_scene(scene);
   const Frame start = start_of(file);
   std::string title = file.scene.name;
   if (!start.radius.empty())
@@ -63,7 +66,7 @@ void movie(const std::filesystem::path& folder, const std::filesystem::path& sce
   if (run.status.empty())
     throw Error(ErrorCode::usage, "holds no run", folder.string(), "give the --out folder of a run");
   std::filesystem::path file = scene;
-  if (file.empty()) file = run.summary.value("scene_file", "");
+  if (file.empty()) file = scene_of_run(folder, run.summary);
   if (scene.empty() && !exists(file))
     throw Error(ErrorCode::usage, "the scene of this run is not at '" + file.string() + "' any more",
                 folder.string(), "tell where it is: --scene FILE");

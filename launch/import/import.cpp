@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
-#include <fstream>
 #include <regex>
+#include <system_error>
 
 #include "common/error.hpp"
+#include "common/file_draft.hpp"
 #include "common/input_file.hpp"
 #include "common/scene/document.hpp"
 #include "common/scene/parse.hpp"
@@ -107,18 +107,18 @@ Imported import_urdf(const ImportOptions& options) {
 }
 
 void import_model(const ImportOptions& options) {
+  std::error_code unknown;
+  for (const fs::path& input : {options.model, options.into})
+    if (!options.output.empty() && !input.empty() && fs::equivalent(options.output, input, unknown))
+      throw Error(ErrorCode::usage, "is an input of this import: it would be overwritten",
+                  options.output.string(), "give another --output");
   const Imported imported = import_urdf(options);
   std::string text;
   write(imported.scene, "", text);
   if (options.output.empty()) {
     fmt::print("{}\n", text);
   } else {
-    std::ofstream out(options.output);
-    out << text << '\n';
-    out.close();
-    if (!out)
-      throw Error(ErrorCode::resource, "cannot be written: " + std::string(std::strerror(errno)),
-                  options.output.string(), "give another --output");
+    replace_file(options.output, text + '\n');
   }
   for (const std::string& note : imported.notes) fmt::print(stderr, "not imported: {}\n", note);
 }

@@ -32,8 +32,9 @@ std::vector<std::string> groups_of(const std::filesystem::path& path) {
 }
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem) {
-  throw Error(ErrorCode::resource, problem, path.string(),
-              "the file is damaged, or was not written by this run");
+  throw Error(
+      ErrorCode::resource, problem, path.string(),
+      "the file, or that of the frame in the folder frames, is damaged, or was not written by this run");
 }
 
 // A picture with a number that is none would be drawn by chance.
@@ -76,7 +77,10 @@ bool add_spheres(const std::filesystem::path& path, const std::string& group, co
   const Hdf5File file = Hdf5File::open(path);
   const std::string dataset = "/" + group + "/" + field.name;
   frame.time = file.number_attribute("/" + group, "time");
-  if (!file.has(dataset)) return false;
+  if (!file.has(dataset)) {
+    if (!file.has("/" + group + "/radius")) fail(path, group + " lacks its spheres");
+    return false;
+  }
   const std::vector<double> position = read_finite(file, "/" + group + "/position"),
                             radius = read_finite(file, "/" + group + "/radius");
   const std::size_t spheres = radius.size();

@@ -12,6 +12,7 @@
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
 #include "launch/report/liquid_surface.hpp"
+#include "launch/report/own_picture.hpp"
 #include "launch/report/tool.hpp"
 #include "launch/run_folder/own_files.hpp"
 
@@ -140,6 +141,12 @@ PictureSize parse_picture_size(const std::string& text) {
 
 std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& scene,
                                  const MovieOptions& options) {
+  if (!options.out.empty()) {
+    if (options.out.extension() != ".mp4")
+      throw Error(ErrorCode::usage, "'" + options.out.string() + "' is no name for a film", "--output",
+                  "let it end with .mp4");
+    expect_own_or_new(options.out);
+  }
   expect_tools();
   const ColourField& field = colour_field(options.colour_by);
   const std::vector<std::string> names = frame_names(folder);
@@ -151,9 +158,6 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
     log::warn("the run has its first and its last frame only: output.frame_interval of the scene gives more");
 
   const fs::path out = options.out.empty() ? folder / "movie.mp4" : options.out;
-  if (out.extension() != ".mp4")
-    throw Error(ErrorCode::usage, "'" + out.string() + "' is no name for a film", "--output",
-                "let it end with .mp4");
   const Stills stills(folder);
   const auto begin = std::chrono::steady_clock::now();
   double first = 0, last = 0;  // [s]
@@ -170,7 +174,9 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
       log::info("{} frames, about {:.2g} s each", names.size(), each);
     }
   }
-  const fs::path draft = fs::absolute(out.string() + ".part");
+  // Outside the run's folder a file with the draft's name belongs to somebody else.
+  const fs::path draft = fs::absolute(
+      options.out.empty() ? out.string() + ".part" : fmt::format("{}.{}.part", out.string(), getpid()));
   const bool done = run_tool({.program = "ffmpeg",
                               .package = "ffmpeg",
                               .arguments = {"-nostdin",    "-loglevel",
@@ -182,6 +188,7 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
                                             "-crf",        "18",
                                             "-pix_fmt",    "yuv420p",
                                             "-movflags",   "+faststart",
+                                            "-metadata",   fmt::format("comment={}", own_mark),
                                             "-f",          "mp4",
                                             draft.string()},
                               .folder = stills.folder(),

@@ -6,6 +6,7 @@
 #include "common/error.hpp"
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
+#include "launch/report/own_picture.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -67,6 +68,7 @@ void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, c
   const std::string draft = fmt::format("{}.{}.part", out.stem().string(), getpid());
   const bool done = render(folder, draft, start, scene, view, more);
   std::error_code failure;
+  if (done) mark_picture(folder / (draft + ".png"));
   if (done) std::filesystem::rename(folder / (draft + ".png"), out, failure);
   if (!done || failure)
     throw Error(ErrorCode::resource,

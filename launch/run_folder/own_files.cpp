@@ -54,6 +54,17 @@ bool is_still(std::string_view name) {
   return false;
 }
 
+// The copy of the scene, or of a file that it names: "file_0123456789abcdef.stl".
+bool is_of_scene(std::string_view name) {
+  constexpr std::string_view begin = "file_";
+  constexpr std::size_t digits = 16;
+  if (name == kept_scene_name) return true;
+  if (!name.starts_with(begin) || name.size() < begin.size() + digits) return false;
+  name.remove_prefix(begin.size());
+  return name.substr(0, digits).find_first_not_of("0123456789abcdef") == std::string_view::npos &&
+         (name.size() == digits || name[digits] == '.');
+}
+
 bool is_frame(std::string_view name) {
   if (name == "surfaces.h5") return true;
   if (!name.ends_with(".h5")) return false;
@@ -79,7 +90,8 @@ fs::path as_of_one_run(const fs::path& name) {
 bool is_own_folder(const fs::path& name) {
   const fs::path own = as_of_one_run(name);
   const std::string last = own.filename().string();
-  if (own == frames_folder || own == checkpoint_folder || own == stills_folder) return true;
+  if (own == frames_folder || own == checkpoint_folder || own == stills_folder || own == scene_folder)
+    return true;
   if (own == half_steps_folder) return name == own;
   return own.parent_path() == checkpoint_folder && last.starts_with(window) &&
          is_number(last.substr(window.size()));
@@ -119,6 +131,7 @@ bool is_own_file(const fs::path& name) {
   if (folder.empty()) return contains(own_names, file);
   if (folder == frames_folder) return is_frame(file);
   if (folder == stills_folder) return is_still(file);
+  if (folder == scene_folder) return is_of_scene(file);
   return folder.parent_path() == checkpoint_folder && is_own_folder(folder) &&
          contains(checkpoint_names, file);
 }

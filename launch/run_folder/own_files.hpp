@@ -21,6 +21,9 @@ inline constexpr const char* last_windows_name = "last_windows.rec";
 // Folder of the restart files.
 inline constexpr const char* checkpoint_folder = "checkpoint";
 inline constexpr const char* half_steps_folder = "half_steps";
+// Folder of the copy of the scene, and that copy.
+inline constexpr const char* scene_folder = "scene";
+inline constexpr const char* kept_scene_name = "scene.json";
 
 // Folder of the pictures of `tandem movie` before they are a film.
 inline constexpr const char* stills_folder = "movie_frames";

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <thread>
 
 #include "common/error.hpp"
@@ -40,6 +41,15 @@ double age(std::uint64_t started) {
          static_cast<double>(started) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
+// Wall time until the end of a run in progress, if it goes on as so far [s]; none before its first window.
+std::optional<double> time_left(const RunState& state) {
+  const double now = number(state.summary, "simulated_s"), wall = number(state.summary, "wall_s"),
+               done = now - number(state.summary, "restarted_at_s"),
+               rest = number(state.summary, "end_time_s") - now;
+  if (state.status != name(Status::running) || !(done > 0) || !(wall > 0) || !(rest >= 0)) return {};
+  return wall * rest / done;
+}
+
 bool goes_on(const RunState& state) {
   return state.marker && state.status == name(Status::running);
 }
@@ -65,15 +75,17 @@ RegisteredRun find(const std::string& run) {
 std::string list_of_runs() {
   const std::vector<RegisteredRun> runs = registered_runs();
   if (runs.empty()) return "no runs\n";
-  std::string text = fmt::format("{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:<16} {}\n", "pid", "status",
-                                 "window", "time [s]", "since", "scene", "folder");
+  std::string text = fmt::format("{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:>12}  {:<16} {}\n", "pid", "status",
+                                 "window", "time [s]", "since", "left", "scene", "folder");
   for (const RegisteredRun& run : runs) {
     const auto& [marker, summary, status] = run.state;
+    const std::optional<double> left = time_left(run.state);
     text += fmt::format(
-        "{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:<16} {}\n", run.pid, status, number(summary, "windows"),
+        "{:>8}  {:<8} {:>10}  {:>20}  {:>12}  {:>12}  {:<16} {}\n", run.pid, status,
+        number(summary, "windows"),
         fmt::format("{:.6g} of {:.6g}", number(summary, "simulated_s"), number(summary, "end_time_s")),
-        status == name(Status::running) ? duration(age(marker->started)) : "-", printable(marker->scene),
-        printable(run.folder.string()));
+        status == name(Status::running) ? duration(age(marker->started)) : "-", left ? duration(*left) : "-",
+        printable(marker->scene), printable(run.folder.string()));
   }
   return text;
 }
@@ -82,12 +94,14 @@ std::string list_of_runs_as_json() {
   Json all = Json::array();
   for (const RegisteredRun& run : registered_runs()) {
     const auto& [marker, summary, status] = run.state;
+    const std::optional<double> left = time_left(run.state);
     all.push_back({{"pid", run.pid},
                    {"status", status},
                    {"scene", marker->scene},
                    {"windows", number(summary, "windows")},
                    {"simulated_s", number(summary, "simulated_s")},
                    {"end_time_s", number(summary, "end_time_s")},
+                   {"left_s", left ? Json(*left) : Json()},
                    {"folder", printable(run.folder.string())}});
   }
   return all.dump(2) + '\n';

@@ -11,6 +11,7 @@
 
 #include "common/error.hpp"
 #include "common/file_draft.hpp"
+#include "launch/run_folder/inputs.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "launch/run_folder/run_state.hpp"
 
@@ -59,7 +60,7 @@ void expect_empty(const fs::path& folder) {
 
 // What a link leads to belongs to another run, or to nobody.
 void expect_own_folders(const fs::path& folder) {
-  for (const char* name : {frames_folder, checkpoint_folder, half_steps_folder}) {
+  for (const char* name : {frames_folder, checkpoint_folder, half_steps_folder, scene_folder}) {
     std::error_code error;
     if (fs::is_symlink(folder / name, error))
       throw Error(ErrorCode::usage, "is a link, and a run writes into its own folder only",
@@ -77,8 +78,10 @@ void expect_own_folders(const fs::path& folder) {
 
 }  // namespace
 
-RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int64_t last_words)
+RunFolder::RunFolder(const fs::path& folder, const std::string& scene, std::int64_t last_words,
+                     const std::vector<fs::path>& inputs)
     : folder_(named(folder)), marker_(own_marker(scene)) {
+  expect_kept(inputs, folder_);
   make(folder_);
   const RunState earlier = read_run(folder_);
   if (!earlier.marker) expect_empty(folder_);

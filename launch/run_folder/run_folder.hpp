@@ -16,8 +16,10 @@ class RunFolder {
   // results cannot be mistaken for those of this run. Other files stay. Throws Error{usage} where the
   // folder has files but none of a run, or belongs to a run in progress or to another user; Error{resource}
   // where it is not writable. `scene`: the scene's name; `last_words`: disk space to reserve for the last
-  // summary [bytes].
-  RunFolder(const std::filesystem::path& folder, const std::string& scene, std::int64_t last_words = 1 << 16);
+  // summary [bytes]; `inputs`: all files and folders that the run has read or will read: Error{usage} where
+  // one of them is among the files that would be removed.
+  RunFolder(const std::filesystem::path& folder, const std::string& scene, std::int64_t last_words = 1 << 16,
+            const std::vector<std::filesystem::path>& inputs = {});
   // Marks the run as ended in order.
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;

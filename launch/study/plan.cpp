@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/command_line.hpp"
 #include "common/error.hpp"
 #include "common/input_file.hpp"
 #include "common/scene/columns.hpp"
@@ -14,6 +13,7 @@
 #include "common/scene/parse.hpp"
 #include "common/time.hpp"
 #include "common/utf8.hpp"
+#include "launch/coordinator/scene_paths.hpp"
 #include "launch/study/explicit_method.hpp"
 
 namespace tandem::launch {
@@ -35,34 +35,6 @@ std::string hash(const std::vector<std::string>& texts) {
     hash = (hash ^ 0xffu) * 0x100000001b3u;  // not a byte of UTF-8: separates the texts
   }
   return fmt::format("{:016x}", hash);
-}
-
-// Calls `use` with each file name in the scene. Invalid scenes have been refused before.
-template <class Use>
-void for_each_file(json& scene, const Use& use) {
-  const auto each = [&](json& part, const char* list, const char* inner) {
-    if (!part.contains(list)) return;
-    for (json& item : part[list])
-      if (item.contains(inner) && item[inner].contains("file")) use(item[inner]["file"]);
-  };
-  if (scene.contains("dem")) {
-    each(scene["dem"], "walls", "shape");
-    each(scene["dem"], "particles", "fill");
-  }
-  if (scene.contains("mbd"))
-    for (json& body : scene["mbd"]["bodies"]) each(body, "shapes", "shape");
-}
-
-// Paths of servers start at the folder of the scene, and the scene of a run is in another one.
-void name_servers_from_anywhere(json& scene, const fs::path& folder) {
-  for (const char* part : {"mbd", "dem"}) {
-    if (!scene.contains(part) || !scene[part].contains("server")) continue;
-    json& server = scene[part]["server"];
-    std::vector<std::string> words = split_command(server.get<std::string>(), "server");
-    if (words.front().find('/') == std::string::npos) continue;
-    words.front() = fs::absolute(folder / words.front()).lexically_normal().string();
-    server = join_command(words);
-  }
 }
 
 class Planner {
@@ -141,7 +113,7 @@ class Planner {
       parts.push_back(content(path));
       name = path.string();
     });
-    name_servers_from_anywhere(scene, folder_);
+    make_other_paths_absolute(scene, folder_);  // the scene of a run is in another folder
     run.scene = scene.dump(1);
     parts.insert(parts.end(), {run.scene, study_.backend, std::to_string(study_.threads)});
     if (std::ranges::any_of(servers_, [](const std::string& server) { return !server.empty(); }))

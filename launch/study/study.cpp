@@ -17,6 +17,7 @@
 #include "launch/coordinator/server_command.hpp"
 #include "launch/report/data_folder.hpp"
 #include "launch/report/tool.hpp"
+#include "launch/run_folder/claimed_folder.hpp"
 #include "launch/run_folder/run_state.hpp"
 #include "launch/study/explicit_method.hpp"
 #include "launch/study/jobs.hpp"
@@ -84,6 +85,10 @@ class StudyFolder {
  public:
   StudyFolder(const Study& study, const StudyOptions& options)
       : study_(study), folder_(options.folder), arguments_(server_arguments(options)) {
+    claim_folder(folder_,
+                 {"study",
+                  {"scenes", "runs", "results.csv", "reading.txt", "plot.json", "plot.log", "study.png"},
+                  {study.file, study.scene}});
     std::error_code error;
     for (const char* name : {"scenes", "runs"}) fs::create_directories(folder_ / name, error);
     if (error)

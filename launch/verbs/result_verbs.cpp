@@ -24,7 +24,7 @@ void add_movie(CLI::App& app) {
   verb->add_option("--colour-by", options->colour_by,
                    "What colours the spheres: speed, radius, spin, or one of output.fields of the scene")
       ->capture_default_str();
-  verb->add_option("--scene", *scene, "Scene of the run, where it is no longer where it was");
+  verb->add_option("--scene", *scene, "Scene of the run; without it the copy in the folder of the run");
   verb->callback([=] {
     options->size = parse_picture_size(*size);
     movie(*folder, *scene, *options);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/error.hpp"
+#include "common/scene/columns.hpp"
 #include "common/seconds.hpp"
 #include "launch/coordinator/describe.hpp"
 #include "launch/coordinator/dry_run.hpp"
@@ -72,7 +73,9 @@ void add_validate(CLI::App& app, int& status) {
         said = remarks(file, nullptr, "  ");
         const std::optional<DryRun> started = start->run(file);
         said = remarks(file, started ? &*started : nullptr, "  ");
-        fmt::print("{}: ok\n", path);
+        const bool controlled = file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty();
+        fmt::print("{}: ok{}\n", path,
+                   controlled ? " with --controller PROGRAM, without which a run is refused" : "");
       } catch (const Error& error) {
         const bool named = std::string_view(error.what()).find(path) != std::string_view::npos;
         fmt::print(stderr, "error: {}{}\n", named ? "" : path + ": ", error.what());

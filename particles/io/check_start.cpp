@@ -151,6 +151,22 @@ void check_speeds(const Fill& fill, const scene::Dem& dem, double limit, const s
   }
 }
 
+void check_spins(const Fill& fill, const scene::Dem& dem, double limit) {
+  for (std::size_t i = 0; i < fill.spin.size(); ++i) {
+    const Vec3d w = fill.spin[i];
+    const double speed = fill.radius[i] * std::hypot(w.x, w.y, w.z);
+    if (speed < limit) continue;
+    const auto* file = std::get_if<scene::FileFill>(&dem.particles[fill.group[i]].fill);
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "%s starts with a spin by which its surface moves with %.6g m/s; at most %.6g m/s",
+                  sphere_at(fill, i).c_str(), speed, limit);
+    fail(fill, dem, i, text,
+         file != nullptr ? "check its line in '" + file->file + "', wx,wy,wz [rad/s]"
+                         : std::string("give a smaller spin"));
+  }
+}
+
 void check_start(const Fill& fill, const Surface& surface, const scene::Scene& scene, unsigned threads) {
   const bool inlets = std::ranges::any_of(scene.dem.value().particles, [](const scene::ParticleGroup& g) {
     return std::holds_alternative<scene::InletFill>(g.fill);

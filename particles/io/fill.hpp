@@ -67,6 +67,9 @@ void check_start(const Fill& fill, const Surface& surface, const scene::Scene& s
 // step would end the run. `remedy` is appended to the advice of a smaller velocity.
 void check_speeds(const Fill& fill, const scene::Dem& dem, double limit, const std::string& remedy = "");
 
+// Error{scene} names the first sphere whose surface moves with `limit` [m/s] or faster by its spin.
+void check_spins(const Fill& fill, const scene::Dem& dem, double limit);
+
 // Walls are not repeated with a periodic domain: a sphere at a face touches only those of its own side.
 // Returns a warning for each body whose walls, at their start poses, end within a radius of such a face.
 std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface, const scene::Scene& scene,

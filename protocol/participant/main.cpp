@@ -51,20 +51,36 @@ struct Options {
   int coordinator = 0;                                          // process that started this one; 0: a user
 };
 
+// Systemd and batch systems send SIGTERM, and a closed terminal SIGHUP, to all programs of a run at once. The
+// coordinator needs this one for the end of the window and the checkpoint: the first of each has no effect, a
+// second one ends this program.
+void outlive_first_signals() {
+  sigset_t held;
+  sigemptyset(&held);
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    sigaddset(&held, signal);
+    struct sigaction before {};
+    if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
+    struct sigaction once {};
+    once.sa_handler = [](int) {};
+    once.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+    sigaction(signal, &once, nullptr);
+  }
+  pthread_sigmask(SIG_UNBLOCK, &held, nullptr);  // the coordinator has held them back
+}
+
+bool is_started_by_coordinator(const Options& options) {
+  return options.shm ? started_by_coordinator(*options.shm) : options.stream || options.coordinator > 0;
+}
+
 std::unique_ptr<Channel> open(const Options& options, Role role) {
   const Deadline deadline = Clock::now() + coordinator_patience;
   if (options.shm) {
-    // Ctrl-C reaches the whole process group; the coordinator ends the run in order.
-    if (started_by_coordinator(*options.shm))
-      std::signal(SIGINT, SIG_IGN);
-    else
+    if (!started_by_coordinator(*options.shm))
       log::info("waiting for a coordinator under the name {}", shortened(*options.shm));
     return attach_shm(*options.shm, deadline);
   }
-  if (options.stream) {
-    std::signal(SIGINT, SIG_IGN);
-    return attach_stream(*options.stream);
-  }
+  if (options.stream) return attach_stream(*options.stream);
   DdsOptions dds;
   dds.run = options.dds;
   dds.role = role;
@@ -189,10 +205,18 @@ int run(int argc, char** argv, const Program& itself,
   try {
     log::setup(program, options.log_level, options.log_file);
     expect_stack();
+    expect_open_files();
     const StateFolders folders(options.state_folders);
     const auto patience = bounded_seconds(options.patience, least_patience, most_patience, "--patience");
+    if (is_started_by_coordinator(options)) {
+      // Ctrl-C reaches the whole process group; the coordinator ends the run in order.
+      std::signal(SIGINT, SIG_IGN);
+      outlive_first_signals();
+    }
     const std::unique_ptr<AnySolver> solver = make();
     const std::unique_ptr<Channel> channel = open(options, role_of(*solver));
+    // One that a user has started ends at once while it waits for its run.
+    if (!is_started_by_coordinator(options)) outlive_first_signals();
     std::atomic<std::uint64_t> window = 0;
     const Watch watch(*channel, window);
     return serve(*channel, *solver, release, {&window, &folders, patience});

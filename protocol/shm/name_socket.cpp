@@ -147,7 +147,8 @@ void NameListener::refuse(const PeerIdentity& stranger) {
       text(stranger), name_, geteuid(), strangers_);
 }
 
-Fd connect_to(const std::string& name, const std::string& peer, Deadline deadline) {
+Fd connect_to(const std::string& name, const std::string& peer, Deadline deadline,
+              const std::function<void()>& idle) {
   const NameAddress address = abstract_address(name);
   for (;;) {
     Fd connection = new_socket(SOCK_NONBLOCK);
@@ -167,6 +168,7 @@ Fd connect_to(const std::string& name, const std::string& peer, Deadline deadlin
     if (Clock::now() >= deadline)
       throw Error(ErrorCode::timeout, "no " + peer + " waits under the name \"" + name + "\"", {},
                   "start " + peer + " --shm " + name + " on this host, as the same user");
+    if (idle) idle();
     std::this_thread::sleep_for(20ms);  // the two may be started in any order
   }
 }

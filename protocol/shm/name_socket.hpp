@@ -5,6 +5,7 @@
 
 #include <sys/types.h>
 
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -46,7 +47,9 @@ class NameListener {
 };
 
 // Connects to a name; the two ends may be started in any order. Throws Error{protocol} if another user holds
-// it, Error{timeout} if nobody listens there until the deadline.
-Fd connect_to(const std::string& name, const std::string& peer, Deadline deadline);
+// it, Error{timeout} if nobody listens there until the deadline. `idle`, where there is one, is called during
+// the wait.
+Fd connect_to(const std::string& name, const std::string& peer, Deadline deadline,
+              const std::function<void()>& idle);
 
 }  // namespace tandem::protocol::shm

@@ -194,7 +194,7 @@ Endpoint create_shm(const std::string& peer, const ShmOptions& options) {
 
 std::unique_ptr<Channel> connect_shm(const std::string& name, const std::string& peer, Deadline deadline,
                                      const ShmOptions& options) {
-  return coordinator_end(shm::connect_to(name, peer, deadline), peer, options, deadline);
+  return coordinator_end(shm::connect_to(name, peer, deadline, options.idle), peer, options, deadline);
 }
 
 bool started_by_coordinator(const std::string& address) {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -22,6 +23,8 @@ struct ShmOptions {
   // Silence after which a peer is lost, for both ends; 0: no limit. A dead peer is detected at once, so that
   // this applies to one that is stopped, and may be longer than over a network.
   std::chrono::milliseconds lease = default_shm_lease;
+  // Called about every 20 ms while connect_shm() waits for the server; what it throws ends the wait.
+  std::function<void()> idle = {};
 };
 
 // Coordinator's end of a server that the coordinator starts itself; `peer` is its name in messages.

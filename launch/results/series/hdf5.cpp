@@ -25,6 +25,9 @@ std::string innermost_error() {
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& deed) {
+  if (deed.starts_with("cannot read") || deed.starts_with("cannot open"))
+    throw Error(ErrorCode::resource, deed + ": " + innermost_error(), file.string(),
+                "the file, or one that it links to, is damaged or missing");
   fail_on_disk(file, deed + ": " + innermost_error());
 }
 

@@ -65,8 +65,10 @@ def links(root):
     for path in sorted((root / "docs").rglob("*.md")):
         if path.resolve() not in linked and path.parent.resolve() not in linked:
             faults.append(f"{path.relative_to(root)}: no page links to it")
-    for part in ("common", "protocol", "mbd_server", "particles", "dem_server", "participant", "launch", "tests", "cmake", "docs"):
-        for path in sorted((root / part).rglob("*")):
+    # All folders of the repository, also those to come.
+    parts = [part for part in sorted(root.iterdir()) if part.is_dir() and part.name != "build" and not part.name.startswith(".")]
+    for part in parts:
+        for path in sorted(part.rglob("*")):
             if path.suffix not in SOURCES or not path.is_file() or "results" in path.parts:
                 continue
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):

@@ -76,6 +76,9 @@ class Conform(Case):
             if program == "/bin/true":
                 self.assertRegex(said, r"'/bin/true' \(pid \d+\) exited with status 0 in window 0, before hello")
             self.assertRegex(said, r"\nthe participant \(dem_server\): 0 passed, 1 failed, .*\nwith --out DIR, .*participant.log\n$")
+        # Its own error says more than its exit status.
+        _, said, _ = self.conform("/bin/sh -c 'echo error: no licence >&2; exit 7'", "--role", "dem")
+        self.assertRegex(said, r"FAIL +hello .* exited with status 7 .*; its last line: error: no licence")
         status, said, _ = self.conform("dem_server", "--role", "mbd")
         self.assertEqual(status, 1)
         self.assertIn("role is dem_server", said)
@@ -89,7 +92,9 @@ class Conform(Case):
 
     def test_wrong_use(self):
         scene = harness.SCENES.parents[2] / "launch/scenes/pendulum.json"
-        for arguments, part in ((["dem_server", "--role", "den"], "did you mean 'dem'?"),
+        (self.folder / "conform.json").write_text("mine")
+        for arguments, part in ((["mbd_server", "--role", "mbd", "--out", "."], "conform.json: is there, and the folder has no tandem_conform.json"),
+                                (["dem_server", "--role", "den"], "did you mean 'dem'?"),
                                 (["/nowhere/x", "--role", "mbd"], "does not exist"), (["mbd_server"], "--role is required"),
                                 (["--role", "mbd"], "no participant is given"),
                                 (["mbd_server", "--role", "mbd", "--check", "free_fal"], "did you mean 'free_fall'?"),

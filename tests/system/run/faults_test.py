@@ -202,9 +202,11 @@ class Signals(FaultCase):
         self.assertEqual(self.read_results()["rows"]["bodies"], summary["windows"])
 
     def test_a_closed_terminal(self):
-        """SIGHUP, as often as it comes."""
+        """SIGHUP to all programs of the run, to the first one as often as it comes."""
         process = self.start_with("--end-time", "1000")
         self.assertTrue(until(lambda: self.windows() > 3, 20 * harness.options.slack))
+        for server in children(process.pid).values():
+            os.kill(server, signal.SIGHUP)
         for _ in range(3):
             process.send_signal(signal.SIGHUP)
             time.sleep(0.002)
@@ -216,7 +218,9 @@ class Signals(FaultCase):
         process.send_signal(signal.SIGHUP)
         seen = self.windows()
         self.assertTrue(until(lambda: self.windows() > seen + 3, 20 * harness.options.slack), "a SIGHUP that nohup keeps off")
-        process.send_signal(signal.SIGTERM)
+        # As systemd and batch systems do: to all programs of the run.
+        for program in [*children(process.pid).values(), process.pid]:
+            os.kill(program, signal.SIGTERM)
         self.check_interrupted(process)
 
     def test_a_closed_console(self):

@@ -71,6 +71,10 @@ class Fill(harness.Case):
         said = self.describe(self.write(scene, "from_run.json"))
         self.assertEqual(said.returncode, 0, said.stderr)
         self.assertIn("run out, t = 0.01 s", said.stdout)
+        frames = sorted(self.out.rglob("*"))
+        refused = self.run_scene(self.folder / "from_run.json", "--backend", "cpu", out=self.out, expect=2)
+        self.assertIn("is an input of this run", refused)
+        self.assertEqual(sorted(self.out.rglob("*")), frames, "nothing is deleted")
         self.run_scene(self.folder / "from_run.json", "--transport", "inproc", out=self.folder / "next")
         self.assertEqual(self.summary(self.folder / "next")["spheres"], self.summary()["spheres"])
         scene["dem"]["particles"][0]["fill"]["time"] = 0.013

@@ -3,11 +3,12 @@
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import unittest
 
 import harness
-from harness import Case, options
+from harness import Case, options, until
 
 SUMMARY_KEYS = """scene version protocol transport backend device precision variant left_out spheres bodies windows
     micro_steps simulated_s wall_s sphere_steps_per_s us_per_micro_step time_split impulse_closure energy_residual
@@ -82,6 +83,15 @@ class Results(Case):
         self.assertGreater((self.folder / "frames").stat().st_size, 10_000)
 
     def test_servers_started_by_hand(self):
+        with self.subTest("an interrupt while they are waited for"):
+            process = self.start("pendulum.json", "--attach", "--run", f"nobody-{os.getpid()}")
+            process.stdout.readline()
+            process.send_signal(signal.SIGTERM)
+            _, status, said = self.finish(process, 2)
+            self.assertEqual(status, 130, said)
+            self.assertIn("the run was interrupted before its first window", said)
+            self.assertEqual(self.summary()["reason"], "interrupted")
+        # They outlive the first SIGTERM as well, which batch systems send to all programs of a run.
         process = self.start("hanging_box.json", "--attach", "--run", f"by-hand-{os.getpid()}")
         servers = []
         for _ in range(2):
@@ -90,6 +100,9 @@ class Results(Case):
             words = line.split()[1:]
             servers.append(subprocess.Popen([options.bin / words[0], *words[1:]], stderr=subprocess.DEVNULL))
         self.started += servers
+        if until(lambda: self.windows() > 1, 20 * options.slack):
+            for server in servers:
+                server.send_signal(signal.SIGTERM)
         _, status, said = self.finish(process, 30)
         self.assertEqual(status, 0, said)
         self.assertEqual([server.wait(5) for server in servers], [0, 0])
@@ -172,12 +185,15 @@ class Refusals(Case):
         for words in ("--shm", long), ("--shm", "a", "--log-level", long), ("--shm", "a", "--state-folder", long):
             self.assertLess(len(self.refusal(*words, program="dem_server")), 1000, words[0])
 
-    def test_too_small_a_stack_is_said(self):
-        for words in ("mbd_server", "--shm", "nobody"), ("tandem", "ps"):
-            limited = ["sh", "-c", 'ulimit -s 128; exec "$@"', "sh", harness.options.bin / words[0], *words[1:]]
+    def test_too_small_limits_are_said(self):
+        for limit, words, sentence in (
+                ("-s 128", ("mbd_server", "--shm", "nobody"), "ulimit -s: the stack is limited to 128 KiB, and 1024 are needed"),
+                ("-s 128", ("tandem", "ps"), "ulimit -s: the stack is limited to 128 KiB, and 1024 are needed"),
+                ("-n 16", ("tandem", "ps"), "ulimit -n: a program may have 16 open files, and 64 are needed")):
+            limited = ["sh", "-c", f'ulimit {limit}; exec "$@"', "sh", harness.options.bin / words[0], *words[1:]]
             said = subprocess.run(limited, capture_output=True, text=True, timeout=60)
             self.assertEqual(said.returncode, 5, said.stderr)
-            self.assertIn("ulimit -s: the stack is limited to 128 KiB, and 1024 are needed", said.stderr)
+            self.assertIn(sentence, said.stderr)
 
     def test_wrong_scenes(self):
         said = self.run_scene("no_such_scene.json", expect=2)

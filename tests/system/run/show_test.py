@@ -32,12 +32,16 @@ class Show(Case):
         said = self.say("preview", harness.SCENES / "hanging_box.json")
         self.assertEqual(said, "hanging_box_preview.png: the start of hanging_box\n")
         self.assertEqual((self.folder / "hanging_box_preview.png").read_bytes()[:8], PNG)
-        self.say("preview", harness.SCENES / "pendulum.json", "-o", "a.png")
+        for _ in range(2):  # the second one replaces the first
+            self.say("preview", harness.SCENES / "pendulum.json", "-o", "a.png")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["a.png", "hanging_box_preview.png"])
 
     def test_preview_refuses(self):
         scene = harness.SCENES / "pendulum.json"
         self.assertRegex(self.say("preview", scene, "-o", "scene.json", expect=2), "'scene.json' is no name for a picture .*[.]png")
+        (self.folder / "photo.png").write_bytes(PNG + b"mine")
+        self.assertRegex(self.say("preview", scene, "-o", "photo.png", expect=2), "photo.png: is there, and is not a picture or film of tandem")
+        self.assertEqual((self.folder / "photo.png").read_bytes(), PNG + b"mine")
         self.assertRegex(self.say("preview", scene, path="/nowhere", expect=5), "povray is not there: apt-get install povray")
 
     def frames_of(self, film, width, height):
@@ -56,6 +60,9 @@ class Show(Case):
         self.assertGreater(changed, 0.005)
         self.assertLess(changed, 0.5)
         before = (out / "movie.mp4").read_bytes()
+        (self.folder / "box.json").unlink()  # the run's folder has a copy
+        out = out.rename(self.folder / "moved")
+        (self.folder / "again.mp4").write_bytes(before)  # an earlier film is replaced
         self.say("movie", out, "--size", "320x180", "--colour-by", "radius", "--output", "again.mp4")
         self.assertEqual((self.folder / "again.mp4").read_bytes(), before)
 
@@ -120,6 +127,9 @@ class Show(Case):
         self.assertRegex(self.say("movie", out, "--fps", "0", expect=2), "--fps")
         self.assertRegex(self.say("movie", out, "--colour-by", "mood", expect=2), "spheres have no 'mood' .*speed, radius, spin")
         self.assertRegex(self.say("movie", out, "-o", "box.json", expect=2), "'box.json' is no name for a film .*[.]mp4")
+        (self.folder / "film.mp4").write_text("mine")
+        self.assertRegex(self.say("movie", out, "-o", "film.mp4", expect=2), "film.mp4: is there, and is not a picture or film of tandem")
+        self.assertEqual((self.folder / "film.mp4").read_text(), "mine")
         self.assertRegex(self.say("movie", out, "--scene", harness.SCENES / "pendulum.json", expect=2), "the run is of the scene '.*', and this is 'pendulum'")
         only_povray = self.folder / "bin"
         only_povray.mkdir()
@@ -129,6 +139,7 @@ class Show(Case):
         self.assertRegex(self.say("movie", out, expect=2), "movie_frames: is a link")
         (out / "movie_frames").unlink()
         (self.folder / "box.json").rename(self.folder / "moved.json")
+        (out / "scene" / "scene.json").unlink()
         self.assertRegex(self.say("movie", out, expect=2), "the scene of this run is not at '.*box.json' any more .*--scene FILE")
         self.assertEqual([path for path in out.iterdir() if "movie" in path.name], [])
 

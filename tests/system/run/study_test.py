@@ -47,6 +47,10 @@ class Study(Case):
 
     def test_goes_on_where_it_stopped(self):
         self.study["sweep"][1]["values"] = [0.01, 0.005]
+        self.out.mkdir()
+        (self.out / "results.csv").write_text("mine")
+        self.assertIn("results.csv: is there, and the folder has no tandem_study.json", self.run_study(expect=2))
+        (self.out / "results.csv").rename(self.out / "mine.csv")
         self.assertIn("5 runs, 0 of them done before", self.run_study())
         before = self.rows()
         self.study["sweep"][1]["values"] = [0.01, 0.005, 0.0025]

@@ -65,7 +65,9 @@ class Validate(Case):
         scene = json.loads((harness.SCENES / "pendulum.json").read_text())
         hinge = scene["mbd"]["joints"][0]["name"]
         scene["mbd"]["forces"] = [{"name": "motor", "type": "actuator", "joint": hinge, "input": "torque"}]
-        self.assertRegex(self.say("validate", self.write(scene)), "note: a run needs --controller PROGRAM, .*inputs torque")
+        said = self.say("validate", self.write(scene))
+        self.assertRegex(said, "scene.json: ok with --controller PROGRAM, without which a run is refused\n")
+        self.assertRegex(said, "note: a run needs --controller PROGRAM, .*inputs torque")
 
     def test_spheres_inside_a_wall(self):
         scene = self.hanging_box()

@@ -89,6 +89,11 @@ TEST_F(InputFileTest, ASecretIsItsOwnersAlone) {
       testing::Throws<Error>(testing::Property(&Error::problem, "other users may read or write this key")));
   fs::permissions(path("file"), fs::perms(0600));
   EXPECT_EQ(read_input(path("file"), input), "x");
+  if (geteuid() != 0) return;
+  ASSERT_EQ(chown(path("file").c_str(), 65534, 65534), 0);
+  EXPECT_THAT([&] { read_input(path("file"), input); },
+              testing::Throws<Error>(
+                  testing::Property(&Error::problem, "this key belongs to another user (uid 65534)")));
 }
 
 }  // namespace

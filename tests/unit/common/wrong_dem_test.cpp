@@ -46,6 +46,14 @@ const WrongScene wrong_dem[] = {
      "pair)"},
     {"PairOfSpheresMissing", R"([{"op": "remove", "path": "/dem/pairs/0"}])",
      "dem.pairs: no pair of 'glass' and 'glass' (spheres of 'grains' and 'grains' can meet: add their pair)"},
+    {"MaterialsWithoutRollingFriction",
+     R"([{"op": "remove", "path": "/dem/pairs"},
+         {"op": "replace", "path": "/dem/materials/0/restitution", "value": 0.5},
+         {"op": "replace", "path": "/dem/materials/0/friction", "value": 0.5},
+         {"op": "add", "path": "/dem/materials/0/rolling_damping", "value": 0.5},
+         {"op": "add", "path": "/dem/rolling", "value": "elastic_plastic"}])",
+     "dem.materials: 'glass' and 'glass' have no 'rolling_friction', which rolling 'elastic_plastic' needs "
+     "(spheres of 'grains' and 'grains' can meet: give it to both, or to their pair)"},
     {"PairWithoutRestitution", R"([{"op": "remove", "path": "/dem/pairs/0/restitution"}])",
      "dem.pairs[0]: the key 'restitution' is missing (contact 'hertz_mindlin' needs it for every pair, or "
      "'restitution' for both materials)"},

@@ -258,5 +258,38 @@ TEST(GeometryReview, BodiesPassThroughEachOther) {
   EXPECT_THAT(reviewed(file).notes, IsEmpty()) << "welded to what the rail holds";
 }
 
+// A machine of 1 m, two parts of 0.1 m that touch, and ground of 50 m.
+SceneFile with_contact(double tooth, double floor) {
+  SceneFile file;
+  scene::Mbd& mbd = file.scene.mbd.emplace();
+  mbd.bodies = {body("wheel"), body("pinion", {1, 0, 0})};
+  file.scene.contact.emplace();
+  const auto add = [&](std::vector<scene::Shape>& to, const char* name, BodyId body, double width) {
+    scene::Shape& shape = to.emplace_back();
+    shape.name = name;
+    shape.body = body;
+    shape.use = scene::ShapeUse::contact;
+    shape.geometry = scene::MeshShape{std::string(name) + ".stl", 1};
+    file.drawn.push_back({body, name, {{{0, 0, 0}, {width, 0, 0}, {0, width / 2, 0}}, {{0, 1, 2}}}});
+  };
+  add(file.scene.shapes, "tooth", {0}, tooth);
+  add(file.scene.shapes, "gap", {1}, 0.1);
+  add(file.scene.contact->ground, "floor", ground, floor);
+  return file;
+}
+
+TEST(GeometryReview, ShapesOfContactInAnotherUnitAreNamed) {
+  EXPECT_THAT(reviewed(with_contact(0.1, 50)).warnings, IsEmpty());
+  EXPECT_THAT(reviewed(with_contact(30, 50)).warnings, IsEmpty()) << "a long part";
+  EXPECT_THAT(
+      reviewed(with_contact(500, 50)).warnings,
+      ElementsAre("shape \"tooth\" of contact is 500 m wide, by tooth.stl with a scale of 1, and the rest of "
+                  "the machine 1 m: is the file in mm? then give \"scale\": 0.001"));
+  EXPECT_THAT(reviewed(with_contact(1e30, 50)).warnings,
+              ElementsAre(HasSubstr("\"tooth\" of contact is 1e+30 m wide")));
+  EXPECT_THAT(reviewed(with_contact(0.1, 1e30)).warnings,
+              ElementsAre(HasSubstr("\"floor\" of contact is 1e+30 m wide")));
+}
+
 }  // namespace
 }  // namespace tandem::launch

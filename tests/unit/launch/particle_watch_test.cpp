@@ -188,6 +188,35 @@ TEST(ParticleWatch, ComparesFramesWithTheAccount) {
   EXPECT_NEAR(elsewhere.differences()[2].share, (0.1 - 0.0025) / std::hypot(2, 2, 12), 1e-6);
 }
 
+TEST(ParticleWatch, RoundingOfSpheresAtRestIsNoDifference) {
+  ParticleWatch watch(two_spheres());
+  watch.observe(flight_frame(0));
+  Exchange rest = flight_window(0);
+  rest.load.account.kinetic_energy = 9e-25;
+  rest.load.account.momentum_end = {1e-14, 0, 0};
+  watch.record(rest);
+  ParticlesFrame frame = flight_frame(1);
+  for (const std::size_t z : {2u, 5u}) frame.velocity[z] = 1e-13f;
+  watch.observe(frame);
+  EXPECT_LT(watch.differences()[0].share, 1e-3);
+  EXPECT_LT(watch.differences()[1].share, 1e-3);
+}
+
+TEST(ParticleWatch, ARestartHasLostItsSpheresBefore) {
+  ParticlesFrame left = flight_frame(0);
+  left.time = Nanoseconds{50'000'000};
+  left.id.pop_back();
+  left.radius.pop_back();
+  for (auto* rows : {&left.velocity, &left.spin}) rows->resize(3);
+  left.position.resize(3);
+  for (const std::uint64_t lost : {0u, 1u}) {
+    ParticleWatch watch(two_spheres());
+    watch.continue_after(lost);
+    watch.observe(left);
+    EXPECT_EQ(watch.false_spheres()[0].spheres, 1 - lost);
+  }
+}
+
 // A gravity that changes after the first window, by which a run judges the mass.
 TEST(ParticleWatch, GravityIsThatOfTheSceneInEachWindow) {
   ParticleWatch watch(two_spheres());

@@ -29,6 +29,12 @@ TEST(Process, TellsTheSignal) {
   EXPECT_EQ(process.ending(5s), "was killed by signal 9 (Killed)");
 }
 
+TEST(Process, OutlivesSignalsThatReachAllProgramsOfARun) {
+  Process process(beside("/bin/sleep"), {"60"}, {}, {});
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) kill(process.pid(), signal);
+  EXPECT_FALSE(process.ending(20ms));
+}
+
 TEST(Process, IsNotLeftBehind) {
   int pid = 0;
   {

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "common/error.hpp"
+#include "launch/run_folder/claimed_folder.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "launch/run_folder/ps.hpp"
 #include "launch/run_folder/registry.hpp"
@@ -80,7 +81,7 @@ TEST_F(RunFolderTest, AnEmptyNameIsRefused) {
 }
 
 TEST_F(RunFolderTest, LinksToFoldersOfOtherRunsAreRefused) {
-  for (const char* name : {"frames", "checkpoint", "half_steps"}) {
+  for (const char* name : {"frames", "checkpoint", "half_steps", "scene"}) {
     { const RunFolder earlier(run_, "toy"); }
     touch(base_ / "other" / "precious");
     fs::create_directory_symlink(base_ / "other", run_ / name);
@@ -115,6 +116,8 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
                                      "checkpoint/window_000120/dem.h5",
                                      "checkpoint/window_1000000/mbd.h5.part",
                                      "movie.mp4",
+                                     "scene/scene.json",
+                                     "scene/file_0123456789abcdef.stl",
                                      "movie_frames/still_000012.png",
                                      "half_steps/tandem_run.json",
                                      "half_steps/bodies.csv",
@@ -129,6 +132,7 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
                                      "frames/mine.h5",
                                      "frames/particles_12.h5",
                                      "frames/checkpoint",
+                                     "scene/file_of_mine.stl",
                                      "movie_frames/still_of_mine.png",
                                      "checkpoint/window_000120/notes.txt"};
   for (const std::string& name : others)
@@ -139,9 +143,74 @@ TEST_F(RunFolderTest, WhatARunWroteIsRemovedAndNothingElse) {
   const RunFolder folder(run_, "toy");
   std::set<std::string> expected = others;
   expected.insert({"tandem_run.json", "summary.json.reserve", "frames", "checkpoint",
-                   "checkpoint/window_000120", "half_steps", "half_steps/checkpoint", "movie_frames"});
+                   "checkpoint/window_000120", "half_steps", "half_steps/checkpoint", "movie_frames",
+                   "scene"});
   EXPECT_EQ(there(), expected);
-  EXPECT_EQ(folder.others().size(), 8u);
+  EXPECT_EQ(folder.others().size(), 9u);
+}
+
+TEST_F(RunFolderTest, NoInputOfTheRunIsDeleted) {
+  { const RunFolder folder(run_, "toy"); }
+  for (const char* name : {"bodies.csv", "frames/particles_000012.h5", "half_steps/summary.json"})
+    touch(run_ / name);
+  touch(base_ / "mesh.stl");
+  fs::create_symlink(base_ / "mesh.stl", run_ / "joints.csv");
+  fs::create_symlink(run_ / "bodies.csv", base_ / "link.csv");
+  fs::create_directory_symlink(run_, base_ / "run_by_another_name");
+  const std::set<std::string> before = there();
+  const auto refused = [this](const fs::path& input, const fs::path& folder) {
+    try {
+      const RunFolder claimed(folder, "toy", 1 << 16, {base_ / "mesh.stl", input});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::usage);
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  for (const fs::path& folder : {run_, base_ / "run_by_another_name"})
+    for (const fs::path& input :
+         {run_ / "bodies.csv", run_ / "joints.csv", base_ / "link.csv", run_, run_ / "frames",
+          base_ / "run_by_another_name" / "half_steps" / ".." / "bodies.csv"}) {
+      EXPECT_THAT(refused(input, folder), testing::HasSubstr("is an input of this run")) << input;
+      EXPECT_EQ(there(), before) << input;
+    }
+  touch(run_ / "bed.csv");
+  EXPECT_EQ(refused(run_ / "bed.csv", run_), "none") << "no run deletes it";
+  EXPECT_FALSE(fs::exists(run_ / "bodies.csv"));
+}
+
+TEST_F(RunFolderTest, OtherVerbsClaimTheirFoldersToo) {
+  const auto refused = [this](const fs::path& input = {}) {
+    try {
+      claim_folder(run_, {"study", {"scenes", "results.csv"}, {base_ / "study.json", input}});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::usage);
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  for (const char* name : {"scenes/mine.json", "results.csv"}) {
+    touch(run_ / name);
+    touch(run_ / "thesis.tex");
+    EXPECT_THAT(refused(), testing::HasSubstr("is not of tandem study, which would overwrite it")) << name;
+    fs::remove_all(run_);
+  }
+  fs::create_directories(run_);
+  fs::create_symlink("nowhere", run_ / "results.csv");
+  EXPECT_THAT(refused(), testing::HasSubstr("would overwrite it")) << "a link that leads nowhere";
+  fs::remove(run_ / "results.csv");
+  touch(run_ / "thesis.tex");
+  EXPECT_EQ(refused(), "none");
+  touch(run_ / "results.csv");
+  EXPECT_EQ(refused(), "none") << "the second time, its own";
+  EXPECT_EQ(there(), (std::set<std::string>{"results.csv", "tandem_study.json", "thesis.tex"}));
+  EXPECT_THAT(refused(run_ / "scenes" / "a.json"), testing::HasSubstr("is an input of this tandem study"));
+  fs::create_directory_symlink(run_, base_ / "link");
+  EXPECT_THAT(refused(base_ / "link" / "results.csv"),
+              testing::HasSubstr("is an input of this tandem study"));
+  if (geteuid() != 0) return;
+  ASSERT_EQ(chown((run_ / "tandem_study.json").c_str(), 65534, 65534), 0);
+  EXPECT_THAT(refused(), testing::HasSubstr("belongs to another user (uid 65534)"));
 }
 
 TEST_F(RunFolderTest, FoldersOfNoRunAreLeftAlone) {
@@ -273,7 +342,13 @@ TEST_F(Registry, ListsRunsThatGoOnAndThatDied) {
     EXPECT_EQ(runs[0].folder, run_);
     EXPECT_EQ(runs[0].state.status, "running");
     EXPECT_NE(list_of_runs().find(run_.string()), std::string::npos);
-    EXPECT_EQ(nlohmann::json::parse(list_of_runs_as_json()).at(0).at("status"), "running");
+    const auto listed = [] { return nlohmann::json::parse(list_of_runs_as_json()).at(0); };
+    EXPECT_EQ(listed().at("status"), "running");
+    EXPECT_TRUE(listed().at("left_s").is_null());
+    std::ofstream(run_ / "summary.json") << R"({"status": "running", "simulated_s": 3, "restarted_at_s": 1,
+                                                "end_time_s": 4, "wall_s": 1800})";
+    EXPECT_EQ(listed().at("left_s"), 900);
+    EXPECT_THAT(list_of_runs(), testing::HasSubstr(" 15 min 00 s "));
   };
   std::optional<RegistryEntry> entry;  // of the child
   die_in_folder([&] { entry.emplace(run_); });

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "common/state_file.hpp"
 #include "launch/coordinator/settle_cache.hpp"
 
 namespace tandem::launch {
@@ -180,8 +182,10 @@ TEST_F(Settling, WhatDoesNotSettleIsRefused) {
                                HasSubstr("give more time as at_most")));
   scene_["dem"]["settle"].erase("at_most");
   scene_["dem"]["walls"][0]["shape"]["open"] = {"-z"};
-  EXPECT_THAT(refusal(), AllOf(HasSubstr("spheres have left the domain by t = "),
-                               HasSubstr("close the container for the start")));
+  EXPECT_THAT(refusal(),
+              AllOf(HasSubstr("spheres have left the domain by t = "), HasSubstr("; the first is sphere "),
+                    HasSubstr(" of 'grains', last seen at ("), HasSubstr("near the face z = -0.2 m"),
+                    HasSubstr("close the container for the start")));
   EXPECT_TRUE(beds().empty());
 }
 
@@ -212,6 +216,90 @@ TEST_F(Settling, CacheRemovesWhatWasNotUsedForTheLongestTime) {
   cache.keep(keys[3], bed_of(20000), log);
   EXPECT_THAT(log, Contains(HasSubstr("is not kept: the cache has 1 MB")));
   EXPECT_TRUE(cache.find(keys[0], log));
+}
+
+TEST_F(Settling, BedThatOthersMayHaveWrittenIsNotUsed) {
+  const mode_t usual = umask(0);
+  read();
+  umask(usual);
+  ASSERT_EQ(beds().size(), 1u);
+  const fs::path cache = folder_ / "cache", bed = beds()[0];
+  EXPECT_TRUE(read().settled->from_cache) << "whatever the umask was";
+  const auto not_used = [&](const std::string& why) {
+    const SceneFile file = read();
+    EXPECT_FALSE(file.settled->from_cache) << why;
+    EXPECT_THAT(file.log, Contains(AllOf(HasSubstr("is not used, and is made anew"), HasSubstr(why))));
+  };
+  fs::permissions(bed, fs::perms::others_write, fs::perm_options::add);
+  not_used("can be written by other users: delete it");
+  fs::permissions(cache, fs::perms::group_write, fs::perm_options::add);
+  not_used("chmod go-w it");
+  fs::permissions(cache, fs::perms::sticky_bit, fs::perm_options::add);
+  EXPECT_TRUE(read().settled->from_cache) << "nobody else can replace a file there";
+  fs::rename(bed, folder_ / "bed.h5");
+  fs::create_symlink(folder_ / "bed.h5", bed);
+  not_used("is not a plain file");
+  if (geteuid() != 0) return;
+  ASSERT_EQ(chown(bed.c_str(), 65534, 65534), 0);
+  not_used("belongs to another user (uid 65534)");
+  ASSERT_EQ(chown(cache.c_str(), 65534, 65534), 0);
+  not_used("belongs to another user (uid 65534)");
+}
+
+TEST_F(Settling, BedThatIsNotOfTheSceneIsNotUsed) {
+  scene_["dem"]["particles"].push_back(
+      nlohmann::json::parse(R"({"name": "more", "material": "glass", "radius": 0.005,
+    "fill": {"type": "lattice", "min": [-0.03, -0.03, 0.03], "max": [0.03, 0.03, 0.05], "spacing": 0.012}})"));
+  read();
+  const std::vector<fs::path> files = beds();
+  ASSERT_EQ(files.size(), 1u);
+  const auto forged = [&](const std::function<void(CachedBed&)>& forge) {
+    // The key is in the file itself.
+    const std::string key = StateReader(files[0], "settled bed", 1).text("key");
+    const SettleCache cache(folder_ / "cache", 1000000);
+    std::vector<std::string> log;
+    const std::optional<CachedBed> right = cache.find({key}, log);
+    CachedBed bed = right.value();
+    forge(bed);
+    cache.keep({key}, bed, log);
+    const SceneFile file = read();
+    EXPECT_FALSE(file.settled->from_cache);
+    std::string said = "none";
+    for (const std::string& line : file.log)
+      if (line.find("is not used") != std::string::npos) said = line;
+    return said;
+  };
+  EXPECT_TRUE(read().settled->from_cache);
+  EXPECT_THAT(forged([](CachedBed& bed) { bed.settled.spheres[0].radii[3] = 0.008; }),
+              HasSubstr("has a sphere with the radius 0.008 m, and the scene gives 0.01 to 0.01 m"));
+  EXPECT_THAT(forged([](CachedBed& bed) { bed.settled.spheres[1].radii[3] = 0.004; }),
+              HasSubstr("its group 'more' has other radii"));
+  EXPECT_THAT(forged([](CachedBed& bed) { bed.settled.spheres[0].positions[3].x = 1; }),
+              HasSubstr("its sphere 3 is not in the domain"));
+  EXPECT_THAT(forged([](CachedBed& bed) { bed.settled.spheres[0].velocities[3].x = 1; }),
+              HasSubstr("its mean kinetic energy is"));
+  EXPECT_THAT(forged([](CachedBed& bed) { bed.settled.groups[0] = "others"; }),
+              HasSubstr("it lacks the group 'grains'"));
+  EXPECT_THAT(forged([](CachedBed& bed) { bed.placed[0].mass *= 2; }), HasSubstr("its figures of the group"));
+  EXPECT_THAT(forged([](CachedBed& bed) {
+                for (auto* rows : {&bed.settled.spheres[0].positions, &bed.settled.spheres[0].velocities,
+                                   &bed.settled.spheres[0].spins})
+                  rows->pop_back();
+                bed.settled.spheres[0].radii.pop_back();
+              }),
+              HasSubstr("its group 'grains' has 39 spheres, and the scene 40"));
+}
+
+TEST_F(Settling, CacheInAFolderWithOtherFilesRemovesOnlyItsOwn) {
+  fs::create_directories(folder_ / "cache");
+  for (const char* name : {"draft_of_my_thesis", "settled_score.h5", "draft_12_settled_"})
+    std::ofstream(folder_ / "cache" / name) << "mine";
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(100);
+  for (const fs::path& file : beds()) fs::last_write_time(file, old);
+  std::vector<std::string> log;
+  const SettleCache cache(folder_ / "cache", 1000000);
+  for (const char* key : {"one", "two", "three", "four"}) cache.keep({key}, bed_of(4000), log);
+  EXPECT_EQ(beds().size(), 5u) << "three of the user, and the two that have room";
 }
 
 TEST_F(Settling, CacheThatCannotBeWrittenDoesNotEndTheRun) {

@@ -51,6 +51,23 @@ TEST_F(FrameFiles, SpheresHaveAllTheirNumbers) {
   EXPECT_EQ(refusal(), "frame_000000 has 2 radii, 5 coordinates and 2 values of speed");
 }
 
+TEST_F(FrameFiles, AFrameWithoutItsSpheresIsDamaged) {
+  Hdf5File file = Hdf5File::create(folder_ / "particles.h5");
+  file.make_group("/frame_000000");
+  file.set_attribute("/frame_000000", "time", 0.5);
+  file.commit();
+  EXPECT_EQ(refusal(), "frame_000000 lacks its spheres");
+  Hdf5File lost = Hdf5File::create(folder_ / "particles.h5");
+  lost.link("frame_000000", "frames/particles_000000.h5");
+  lost.commit();
+  try {
+    read_last_frame(folder_);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.hint(), "the file, or one that it links to, is damaged or missing");
+  }
+}
+
 TEST_F(FrameFiles, TrianglesHaveVerticesThatAreThere) {
   put_bodies(2);
   EXPECT_EQ(refusal(), "read");
