@@ -165,7 +165,7 @@ protocol::Report Solver::report() {
     others["work_J"]["inlets"] = memory_.energy_came;
     others["work_J"]["outlets"] = -memory_.energy_went;
   }
-  if (memory_.lost > 0) others["work_J"]["lost"] = -memory_.energy_lost;
+  others["work_J"]["lost"] = 0 - memory_.energy_lost;
   traffic_.report(passed_, facts, others);
   return {protocol::encode_facts(facts, others)};
 }
