@@ -76,7 +76,9 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   if (scene.mbd)
     for (const scene::Body& body : scene.mbd->bodies) bodies_.push_back(body.name);
   own("scene") = scene.name;
-  own("scene_file") = std::filesystem::absolute(file.origin).lexically_normal().string();
+  // A scene that a program hands over has no file.
+  own("scene_file") =
+      file.origin.empty() ? "" : std::filesystem::absolute(file.origin).lexically_normal().string();
   own("version") = version;
   own("protocol") = fmt::format("{}.{}", protocol::protocol_version.major, protocol::protocol_version.minor);
   own("transport") = name(options.transport);

@@ -60,7 +60,8 @@ TEST(ParticleFile, EveryFaultOfTheHeader) {
   EXPECT_EQ(verdict("x,y,z,vy\n1,2,3,4\n"),
             "p.csv: line 1: the column 'vx' is missing (the header is x,y,z[,radius][,vx,vy,vz][,wx,wy,wz])");
   EXPECT_EQ(verdict("x,y,z,x\n1,2,3,4\n"), "p.csv: line 1: the column 'x' is given twice (keep one of them)");
-  EXPECT_EQ(verdict("1,2,3\n"), "p.csv: line 1: unknown column '1' (did you mean 'x'?)");
+  EXPECT_EQ(verdict("1,2,3\n"),
+            "p.csv: line 1: unknown column '1' (known columns: x, y, z, radius, vx, vy, vz, wx, wy, wz)");
 }
 
 TEST(ParticleFile, NoSphere) {

@@ -184,7 +184,7 @@ TEST_F(Settling, WhatDoesNotSettleIsRefused) {
   scene_["dem"]["walls"][0]["shape"]["open"] = {"-z"};
   EXPECT_THAT(refusal(),
               AllOf(HasSubstr("spheres have left the domain by t = "), HasSubstr("; the first is sphere "),
-                    HasSubstr(" of 'grains', last seen at ("), HasSubstr("near the face z = -0.2 m"),
+                    HasSubstr(" of 'grains', last seen at ["), HasSubstr("near the face z = -0.2 m"),
                     HasSubstr("close the container for the start")));
   EXPECT_TRUE(beds().empty());
 }
