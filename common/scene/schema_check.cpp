@@ -109,7 +109,8 @@ class Walk {
       const std::vector<std::string> own = tag.contains("enum")
                                                ? strings(tag["enum"])
                                                : std::vector<std::string>{tag["const"].get<std::string>()};
-      if (value.contains("type") && std::find(own.begin(), own.end(), value["type"]) != own.end())
+      const auto is_named = [&](const std::string& type) { return value["type"] == json(type); };
+      if (value.contains("type") && std::any_of(own.begin(), own.end(), is_named))
         return check(branch, value, path, meaning);
       types.insert(types.end(), own.begin(), own.end());
     }

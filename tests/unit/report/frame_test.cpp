@@ -52,10 +52,12 @@ TEST_F(FrameFiles, SpheresHaveAllTheirNumbers) {
 }
 
 TEST_F(FrameFiles, AFrameWithoutItsSpheresIsDamaged) {
-  Hdf5File file = Hdf5File::create(folder_ / "particles.h5");
-  file.make_group("/frame_000000");
-  file.set_attribute("/frame_000000", "time", 0.5);
-  file.commit();
+  {
+    Hdf5File file = Hdf5File::create(folder_ / "particles.h5");
+    file.make_group("/frame_000000");
+    file.set_attribute("/frame_000000", "time", 0.5);
+    file.commit();
+  }
   EXPECT_EQ(refusal(), "frame_000000 lacks its spheres");
   Hdf5File lost = Hdf5File::create(folder_ / "particles.h5");
   lost.link("frame_000000", "frames/particles_000000.h5");
