@@ -84,6 +84,7 @@ struct Sph {
   std::string server;                       // as in Mbd
   std::vector<std::string> solver_options;  // as in Mbd
   double spacing = 0;                       // edge of the cube that one particle fills [m]
+  double wall_deviation = 0.05;             // of the liquid's walls from the surfaces given [spacings]
   std::vector<Liquid> liquids;              // one
   WallFriction wall_friction = WallFriction::no_slip;
   LiquidPrecision precision = LiquidPrecision::mixed;

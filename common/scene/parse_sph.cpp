@@ -114,6 +114,7 @@ Sph parse_sph(const Node& node, const Names& bodies) {
   Sph sph;
   read_server(node, sph);
   node.read("spacing", sph.spacing);
+  node.read("wall_deviation", sph.wall_deviation);
   for (const Node& liquid : node.elements("liquids")) sph.liquids.push_back(parse_liquid(liquid));
   sph.wall_friction = wall_friction(node);
   const Names liquids = node.names("liquids");

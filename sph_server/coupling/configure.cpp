@@ -55,6 +55,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   start.setup.backend = backend;
   start.setup.threads = configuration.threads;
   const std::vector<BodyWalls>& walls = start.walls;
+  for (const std::string& sentence : start.coarsened) log::info("{}", sentence);
   properties_ = start.setup.liquid;
   vessel_ = start.setup.vessel;
   follows_ = start.setup.follows;
@@ -67,7 +68,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     load_of_.push_back(bodies_loaded_ - 1);
     bodies_.push_back({body.body, scene_.body_name(body.body), extent});
     corners_.push_back(body.mesh.vertices);
-    for (const std::string& sentence : body.inside) log::info("{}", sentence);
+    for (const std::string& sentence : body.approximations) log::info("{}", sentence);
   }
   traffic_ = Traffic(sph, start.inlets, start.setup);
   passed_ = traffic_.nothing_seen();

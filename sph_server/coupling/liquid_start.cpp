@@ -18,6 +18,7 @@
 #include "sph_server/io/edges_in_liquid.hpp"
 #include "sph_server/io/open_faces.hpp"
 #include "sph_server/io/vessel.hpp"
+#include "sph_server/io/wall_meshes.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
 
 namespace tandem::sph {
@@ -105,10 +106,11 @@ std::size_t LiquidStart::particles() const {
   return count;
 }
 
-LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
+LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& given) {
   const scene::Sph& sph = scene.sph.value();
   const scene::Liquid& liquid = sph.liquids.front();
   LiquidStart start;
+  const std::vector<NamedMesh> meshes = wall_meshes(sph, given, start.coarsened);
   start.walls = walls_of_bodies(scene, meshes);
   start.sites = sites_of(liquid, sph.spacing);
   start.insides = insides_of(scene, meshes);

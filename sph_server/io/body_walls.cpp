@@ -6,26 +6,16 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
+#include "sph_server/io/wall_meshes.hpp"
 
 namespace tandem::sph {
 namespace {
-
-// How far flat faces may be inside a round surface [spacings].
-constexpr double deviation = 0.01;
-
-// Faces around a circle of this radius: a multiple of four, at least 24.
-int segments_of(double radius, double spacing) {
-  const double share = std::min(0.5, deviation * spacing / radius);
-  const double count = std::numbers::pi / std::acos(1 - share);
-  return 4 * static_cast<int>(std::ceil(std::max(24.0, count) / 4));
-}
 
 // A square of the plane that the domain does not reach beyond.
 TriangleMesh square_of(const scene::PlaneShape& plane, const Pose& pose, const scene::Sph& sph) {
@@ -98,10 +88,9 @@ TriangleMesh whole_mesh_of(const scene::Wall& wall, const scene::Sph& sph,
   if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape))
     mesh = box_mesh(box->size);
   else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape))
-    mesh = cylinder_mesh(cylinder->radius, cylinder->height.value(),
-                         cylinder->segments.value_or(segments_of(cylinder->radius, sph.spacing)));
+    mesh = faceted(*cylinder, {}, deviation_of(sph)).mesh;
   else if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape))
-    mesh = sphere_mesh(sphere->radius, segments_of(sphere->radius, sph.spacing));
+    mesh = faceted(*sphere, deviation_of(sph)).mesh;
   else
     mesh = mesh_of(wall, meshes);
   return transformed(std::move(mesh), wall.pose);
@@ -131,27 +120,21 @@ std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vec
     group.body = wall.body;
     group.sensed = sensed;
     const auto add = [&](const TriangleMesh& mesh) { append(transformed(mesh, wall.pose), group.mesh); };
-    const auto round = [&](double radius, const auto& mesh_of_segments) {
-      const int segments = segments_of(radius, sph.spacing);
-      add(mesh_of_segments(segments));
-      group.inside.push_back(
-          fmt::format("wall '{}' has {} flat faces around, at most {:.2g} m inside its round surface",
-                      wall.name, segments, radius * (1 - std::cos(std::numbers::pi / segments))));
+    const auto add_round = [&](const FacetedShape& round) {
+      add(round.mesh);
+      if (round.deviation > 0)
+        group.approximations.push_back(
+            fmt::format("wall '{}' has {} flat faces around, at most {:.2g} m off its round surface",
+                        wall.name, round.segments, round.deviation));
     };
     if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
       append(square_of(*plane, wall.pose, sph), group.mesh);
     } else if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) {
       add(box_mesh(box->size, box->open));
     } else if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape)) {
-      const auto mesh = [&](int segments) {
-        return cylinder_mesh(cylinder->radius, cylinder->height.value(), segments, cylinder->open);
-      };
-      if (cylinder->segments)
-        add(mesh(*cylinder->segments));
-      else
-        round(cylinder->radius, mesh);
+      add_round(faceted(*cylinder, cylinder->open, deviation_of(sph)));
     } else if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape)) {
-      round(sphere->radius, [&](int segments) { return sphere_mesh(sphere->radius, segments); });
+      add_round(faceted(*sphere, deviation_of(sph)));
     } else {
       refuse_doubles(wall.name, mesh_of(wall, meshes));
       add(mesh_of(wall, meshes));

@@ -13,10 +13,10 @@ namespace tandem::sph {
 // a load names, which is for itself.
 struct BodyWalls {
   BodyId body;
-  std::string sensed;               // name of the wall that is for itself; empty: all others of the body
-  TriangleMesh mesh;                // in the frame of the body; a plane is a square
-  std::vector<std::string> wall;    // name of the wall of each triangle
-  std::vector<std::string> inside;  // sentences: walls that are inscribed into round surfaces
+  std::string sensed;             // name of the wall that is for itself; empty: all others of the body
+  TriangleMesh mesh;              // in the frame of the body; a plane is a square
+  std::vector<std::string> wall;  // name of the wall of each triangle
+  std::vector<std::string> approximations;  // sentences: walls that stand for round surfaces
 };
 // By body in ascending order, the ground last; of each body first the walls that are for themselves, by name.
 // `meshes`: of the walls with a mesh, by name. Error{protocol} where one is missing, Error{scene} for a mesh
