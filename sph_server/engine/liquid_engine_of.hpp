@@ -44,7 +44,7 @@ class LiquidEngineOf final : public LiquidEngine {
     centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, setup.follows ? 10 : 4);
     pairs_.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
-    place_.support = setup.liquid.support();
+    place_.support = select_.support = setup.liquid.support();
     see_.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     rates_.properties = setup.liquid;
     rates_.peak = Kernel<double>::of_support(setup.liquid.support()).peak;
@@ -58,7 +58,8 @@ class LiquidEngineOf final : public LiquidEngine {
     edges_.spacing = setup.liquid.spacing;
     advance_.periods = setup_.periods;
     advance_.properties = setup.liquid;
-    place_.centres = see_.centres = rates_.walls.centres = edges_.centres = advance_.centres = centres_;
+    place_.centres = select_.centres = see_.centres = rates_.walls.centres = edges_.centres =
+        advance_.centres = centres_;
   }
 
   void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) override {
@@ -382,12 +383,13 @@ class LiquidEngineOf final : public LiquidEngine {
   void use_arrays() {
     liquid_ = memory_.view(count_);
     liquid_.neighbours = neighbours_.view();
-    arrays_ = {facets_.view(), particle_.data(), near_count_.data(),
+    arrays_ = {facets_.view(), particle_.data(), in_support_.data(), near_count_.data(),
                near_.data(),   seen_.data(),     by_pressure_.data()};
-    pairs_.liquid = place_.liquid = see_.liquid = rates_.liquid = rates_.walls.liquid = edges_.liquid =
-        advance_.liquid = liquid_;
-    place_.arrays = see_.arrays = rates_.walls.arrays = edges_.arrays = arrays_;
+    pairs_.liquid = place_.liquid = select_.liquid = see_.liquid = rates_.liquid = rates_.walls.liquid =
+        edges_.liquid = advance_.liquid = liquid_;
+    place_.arrays = select_.arrays = see_.arrays = rates_.walls.arrays = edges_.arrays = arrays_;
     place_.walls = rates_.walls.walls = edges_.walls = device_walls_.view();
+    select_.surface = place_.walls.surface;
     pairs_.result = sums_.data();
     rates_.pairs = sums_.data();
   }
@@ -464,6 +466,7 @@ class LiquidEngineOf final : public LiquidEngine {
                                     built_at_.data(), reach_, walls, facets_.view()},
                      neighbours_);
     exec_.grow(particle_, facets_.total);
+    exec_.grow(in_support_, facets_.total);
     exec_.grow(near_, facets_.total);
     exec_.grow(seen_, facets_.total);
     if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
@@ -507,7 +510,8 @@ class LiquidEngineOf final : public LiquidEngine {
 
   void sum_rates() {
     exec_.sum_over_lanes(count(), pairs_);
-    if (walls_.bodies() > 0) exec_.for_each(count(), place_);
+    exec_.for_each(facets_.total, place_);
+    if (walls_.bodies() > 0) exec_.for_each(count(), select_);
     exec_.for_each(facets_.total, see_);
     rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
@@ -556,6 +560,7 @@ class LiquidEngineOf final : public LiquidEngine {
   List<Exec, Neighbour> neighbours_;
   List<Exec, std::uint32_t> facets_;
   Buffer<std::uint32_t> particle_, near_count_;
+  Buffer<std::uint8_t> in_support_;
   Buffer<NearFacet> near_;
   Buffer<SeenFacet> seen_;
   Buffer<Vec3d> by_pressure_;
@@ -564,7 +569,8 @@ class LiquidEngineOf final : public LiquidEngine {
   LiquidArrays<Real> liquid_;
   WallArrays arrays_;
   SumPairs<Real, shifting> pairs_;
-  PlaceFacets<Real> place_;
+  PlaceFacet<Real> place_;
+  SelectFacets<Real> select_;
   SeeFacets<Real> see_;
   SumRates<Real, shifting> rates_;
   SumEdges<Real> edges_;

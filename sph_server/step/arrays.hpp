@@ -54,7 +54,8 @@ struct SeenFacet {
 struct WallArrays {
   ListView<std::uint32_t> facets;           // with a point within the reach when the list was built
   const std::uint32_t* particle = nullptr;  // of each entry of `facets`
-  // Those with a point within the support now that the particle may see: the first near_count[i] entries from
+  std::uint8_t* in_support = nullptr;       // 1: of an entry with a point within the support now (entries)
+  // Those of them that the particle may see: the first near_count[i] entries from
   // facets.start[i] on.
   std::uint32_t* near_count = nullptr;
   NearFacet* near = nullptr;

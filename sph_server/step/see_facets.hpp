@@ -19,26 +19,46 @@ struct NameParticles {
   }
 };
 
-// The facets near particle i that it may see, in world axes.
+// The facet of an entry in world axes, if it has a point within the support.
 template <class Real>
-struct PlaceFacets {
+struct PlaceFacet {
   LiquidArrays<Real> liquid;
   WallArrays arrays;
   WallsView walls;
   particles::CentreUnit<Real> centres;
   double support = 0;  // [m]
 
+  TANDEM_HD void operator()(std::uint32_t entry) const {
+    const std::uint32_t i = arrays.particle[entry], number = arrays.facets.entry[entry];
+    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    const bool is_near = walls.is_within(support, x, number);
+    arrays.in_support[entry] = is_near;
+    if (is_near) arrays.near[entry] = walls.seen_from(x, number);
+  }
+};
+
+// The facets that particle i may see, one after the other.
+template <class Real>
+struct SelectFacets {
+  LiquidArrays<Real> liquid;
+  WallArrays arrays;
+  const std::uint32_t* surface = nullptr;  // see WallsView
+  particles::CentreUnit<Real> centres;
+  double support = 0;  // [m]
+
   TANDEM_HD void operator()(std::uint32_t i) const {
     const std::uint32_t begin = arrays.facets.start[i], end = arrays.facets.start[i + 1];
     std::uint32_t count = 0;
-    if (begin < end) {
-      const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-      for (std::uint32_t n = begin; n < end; ++n) {
-        const std::uint32_t number = arrays.facets.entry[n];
-        if (walls.is_within(support, x, number)) arrays.near[begin + count++] = walls.seen_from(x, number);
-      }
-      count = without_backs(x, arrays.near + begin, count, support);
+    bool any_closed = false;
+    for (std::uint32_t n = begin; n < end; ++n) {
+      if (arrays.in_support[n] == 0) continue;
+      any_closed = any_closed || surface[arrays.facets.entry[n]] != 0;
+      if (begin + count != n) arrays.near[begin + count] = arrays.near[n];
+      ++count;
     }
+    if (any_closed)
+      count = without_backs(centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i))),
+                            arrays.near + begin, count, support);
     arrays.near_count[i] = count;
   }
 };
