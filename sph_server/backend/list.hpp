@@ -21,10 +21,13 @@ inline std::uint32_t checked_total(std::size_t entries) {
 template <class Exec, class Entry>
 struct List {
   typename Exec::template Buffer<std::uint32_t> start;  // see ListView (particles + 1)
-  typename Exec::template Buffer<Entry> entry;          // `total` of them, and room
+  typename Exec::template Buffer<std::uint32_t> end;  // empty where each begins at the end of the one before
+  typename Exec::template Buffer<Entry> entry;        // `total` of them, and room
   std::uint32_t total = 0;
 
-  ListView<Entry> view() const { return {start.data(), entry.data()}; }
+  ListView<Entry> view() const {
+    return {start.data(), end.size() > 0 ? end.data() : start.data() + 1, entry.data()};
+  }
 };
 
 }  // namespace tandem::sph

@@ -398,9 +398,10 @@ class LiquidEngineOf final : public LiquidEngine {
   void set_quanta(std::size_t n) {
     const Liquid& l = setup_.liquid;
     const double c = l.sound_speed, many = static_cast<double>(n);
-    const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
+    constexpr double least = 1e-18;  // the inverse of a finer quantum is no number in single precision
+    const double acceleration = std::max(least, 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity));
     quanta_.acceleration = particles::Quantum::for_range(acceleration);
-    quanta_.rate = particles::Quantum::for_range(1e4 * c / l.spacing);
+    quanta_.rate = particles::Quantum::for_range(std::max(least, 1e4 * c / l.spacing));
     quanta_.power = particles::Quantum::for_range(l.mass() * (acceleration + many * c * c / l.spacing) * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
     quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
@@ -450,7 +451,9 @@ class LiquidEngineOf final : public LiquidEngine {
       scene::Box domain = setup_.domain;
       // Where it is displaced, positions beside its end must not be rounded into a cell beyond the last.
       if (setup_.follows) domain.max += 1e-3 * reach_ * Vec3d{1, 1, 1};
-      grid_ = particles::make_cell_grid(domain, setup_.periods, reach_, particles::most_cells(count_));
+      cells_of_reach_ = span_of(domain, reach_);
+      grid_ = particles::make_cell_grid(domain, setup_.periods, reach_ / cells_of_reach_,
+                                        particles::most_cells(count_));
       cell_start_.resize(std::size_t{grid_.total} + 2);
       grid_origin_ = grid_.origin;
     }
@@ -462,8 +465,8 @@ class LiquidEngineOf final : public LiquidEngine {
     // Lists are symmetric also where two particles are just within the reach.
     exec_.build_list(count(), FindFacets{walls, built_at_.data(), reach_ * (1 + 1e-9)}, facets_);
     exec_.build_list(count(),
-                     FindNeighbours{grid_, setup_.periods, cell_start_.data(), in_cell_.data(),
-                                    built_at_.data(), reach_, walls, facets_.view()},
+                     FindNeighbours{grid_, grid_.edge(), cells_of_reach_, setup_.periods, cell_start_.data(),
+                                    in_cell_.data(), built_at_.data(), reach_, walls, facets_.view()},
                      neighbours_);
     exec_.grow(particle_, facets_.total);
     exec_.grow(in_support_, facets_.total);
@@ -548,6 +551,7 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<PairSums<Real, shifting>> sums_;
   // Lists, and what they were built from.
   particles::CellGrid grid_;
+  std::int32_t cells_of_reach_ = 1;
   Vec3d grid_origin_;  // where the domain is at the start [m]
   Buffer<std::uint32_t> key_, scratch_, cell_start_, in_cell_;
   Buffer<Vec3d> built_at_, located_;  // positions when the lists were built, and for the next lists [m]

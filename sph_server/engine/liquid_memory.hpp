@@ -27,7 +27,7 @@ struct LiquidMemory {
     visit("position", all.position...);
     visit("velocity", all.velocity...);
     if constexpr (particles::has_fine_part<Real>) visit("fine", all.fine...);
-    visit("pressure_volume", all.state...);
+    visit("state", all.state...);
     visit("slope", all.slope...);
     visit("filled", all.filled...);
     if constexpr (shifting) visit("shift", all.shift...);

@@ -8,13 +8,13 @@
 
 namespace tandem::sph {
 
-// What neighbours read of a particle.
+// What neighbours read of a particle besides its position, in as few loads as possible.
 template <class Real>
-struct Seen {
+struct alignas(16) ParticleState {
   Vec3<Real> v;       // [m/s]
-  Real pressure = 0;  // of the equation of state and of the bulk viscosity [Pa]
-  Real volume = 0;    // m/rho [m3]
+  Real pressure = 0;  // of the equation of state and of the bulk viscosity, see equations/spray.hpp [Pa]
   Vec3<Real> slope;   // gradient of the pressure, in the step before [Pa/m]
+  Real volume = 0;    // m/rho [m3]
 };
 
 // Constants of the terms.
@@ -64,8 +64,8 @@ struct PairTerms {
 //              gradients) (1/r dW/dr) V_j [Antuono2010], as differences of pressure / c0^2. The gradient is
 //              that which the momentum equation has, so that a pressure in equilibrium does not diffuse.
 template <class Real>
-TANDEM_HD PairTerms<Real> pair_terms(const PairConstants<Real>& c, Vec3<Real> d, Real r2, const Seen<Real>& i,
-                                     const Seen<Real>& j) {
+TANDEM_HD PairTerms<Real> pair_terms(const PairConstants<Real>& c, Vec3<Real> d, Real r2,
+                                     const ParticleState<Real>& i, const ParticleState<Real>& j) {
   using std::sqrt;
   const Real gradient = c.kernel.gradient_by_distance(sqrt(r2));
   const Real volumes = (i.volume * j.volume) * c.inverse_mass;

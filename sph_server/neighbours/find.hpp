@@ -1,6 +1,7 @@
 // What the lists of a liquid hold: the facets near each particle, and its neighbours.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "particles/base/group.hpp"
@@ -10,10 +11,12 @@
 
 namespace tandem::sph {
 
-// A list of entries for each particle: those of particle i are entry[start[i]] to entry[start[i + 1] - 1].
+// A list of entries for each particle: those of particle i are entry[start[i]] to entry[end[i] - 1]. Where
+// the entries of one particle are may differ from run to run, their order does not.
 template <class Entry>
 struct ListView {
-  const std::uint32_t* start = nullptr;  // (particles + 1)
+  const std::uint32_t* start = nullptr;  // (particles)
+  const std::uint32_t* end = nullptr;    // (particles)
   const Entry* entry = nullptr;
 };
 
@@ -37,6 +40,13 @@ struct FindFacets {
   }
 };
 
+// Cells that the reach spans: smaller cells have fewer particles that are out of reach, and cost memory.
+inline std::int32_t span_of(const scene::Box& domain, double reach) {
+  constexpr double most = 8e6;  // cells
+  const Vec3d size = domain.max - domain.min;
+  return size.x * size.y * size.z < most * std::pow(reach / 2, 3) ? 2 : 1;
+}
+
 struct CellOfParticle {
   particles::CellGrid grid;
   const Vec3d* x = nullptr;  // [m]
@@ -50,6 +60,8 @@ struct CellOfParticle {
 struct FindNeighbours {
   static constexpr bool by_warps = true;
   particles::CellGrid grid;
+  Vec3d edge;             // of a cell [m]
+  std::int32_t span = 1;  // cells that the reach spans
   particles::Periods periods;
   const std::uint32_t* cell_start = nullptr;     // of each cell in cell_particle
   const std::uint32_t* cell_particle = nullptr;  // by cell, ascending
@@ -62,9 +74,12 @@ struct FindNeighbours {
   TANDEM_HD void operator()(std::uint32_t i, Group group, Each each) const {
     const Vec3d here = x[i];
     const std::int32_t home[3] = {grid.along(here.x, 0), grid.along(here.y, 1), grid.along(here.z, 2)};
+    const std::int32_t across = 2 * span + 1;
     const auto particles_of_cell = [&](std::uint32_t k) -> particles::Run {
       const auto offset = static_cast<std::int32_t>(k);
-      std::int32_t c[3] = {home[0] + offset % 3 - 1, home[1] + offset / 3 % 3 - 1, home[2] + offset / 9 - 1};
+      std::int32_t c[3] = {home[0] + offset % across - span, home[1] + offset / across % across - span,
+                           home[2] + offset / (across * across) - span};
+      if (is_out_of_reach(here, c)) return {};
       particles::Image image = 0;
       if (!grid.exists<true>(c[0], 0, image) || !grid.exists<true>(c[1], 1, image) ||
           !grid.exists<true>(c[2], 2, image))
@@ -72,7 +87,8 @@ struct FindNeighbours {
       const std::uint32_t cell = grid.number(c[0], c[1], c[2]);
       return {cell_start[cell], cell_start[cell + 1], image};
     };
-    group.for_each(27, particles_of_cell, [&](std::uint32_t n, std::uint32_t note, bool exists) {
+    const auto cells = static_cast<std::uint32_t>(across * across * across);
+    group.for_each(cells, particles_of_cell, [&](std::uint32_t n, std::uint32_t note, bool exists) {
       const auto image = static_cast<particles::Image>(note);
       std::uint32_t j = i;
       if (exists) {
@@ -85,6 +101,16 @@ struct FindNeighbours {
   }
 
  private:
+  // Is every point of a cell out of reach? The cell may be beyond a periodic end.
+  TANDEM_HD bool is_out_of_reach(Vec3d from, const std::int32_t (&cell)[3]) const {
+    double distance2 = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double at = (from[a] - grid.origin[a]) * grid.inverse_cell[a];
+      const double gap = std::fmax(0.0, std::fmax(cell[a] - at, at - (cell[a] + 1))) * edge[a];
+      distance2 += gap * gap;
+    }
+    return distance2 > reach * reach * (1 + 1e-9);
+  }
   TANDEM_HD Vec3d shift_of(particles::Image image) const {
     Vec3d shift;
     for (int a = 0; a < 3; ++a) {
@@ -94,7 +120,7 @@ struct FindNeighbours {
     return shift;
   }
   TANDEM_HD bool is_hidden(std::uint32_t i, Vec3d y) const {
-    for (std::uint32_t n = facets.start[i]; n < facets.start[i + 1]; ++n)
+    for (std::uint32_t n = facets.start[i]; n < facets.end[i]; ++n)
       if (walls.between(facets.entry[n], x[i], y)) return true;
     return false;
   }

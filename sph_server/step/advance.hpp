@@ -42,16 +42,16 @@ struct Advance {
     update_state(i);
   }
 
-  // Pressure and volume from the compression. The bulk viscosity and the bound on tension take the rate and
-  // the filled part of the step before.
+  // What neighbours read, with pressure and volume from the compression. The bulk viscosity and the bound on
+  // tension take the rate and the filled part of the step before.
   TANDEM_HD void update_state(std::uint32_t i) const {
     const Liquid& l = properties;
     const double e = liquid.compression[i],
                  pressure = borne(l, elastic_pressure(l, e) + bulk_pressure(l, e, liquid.rate[1][i]),
                                   tension_share(static_cast<double>(liquid.filled[i])));
-    liquid.state[i].pressure = static_cast<Real>(packing_pressure > 0 ? packing_pressure : pressure);
-    liquid.state[i].volume = static_cast<Real>(l.mass() / (l.density * (1 + e)));
-    liquid.state[i].slope = liquid.slope[i];
+    liquid.state[i] = {liquid.velocity[i].v,
+                       static_cast<Real>(packing_pressure > 0 ? packing_pressure : pressure), liquid.slope[i],
+                       static_cast<Real>(l.mass() / (l.density * (1 + e)))};
   }
 };
 

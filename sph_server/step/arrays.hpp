@@ -10,14 +10,7 @@
 
 namespace tandem::sph {
 
-// What neighbours read besides position and velocity. The radius of a position is not used.
-template <class Real>
-struct ParticleState {
-  Real pressure = 0;  // of the equation of state and of the bulk viscosity, see equations/spray.hpp [Pa]
-  Real volume = 0;    // m/rho [m3]
-  Vec3<Real> slope;   // gradient of the pressure, in the step before [Pa/m]
-};
-
+// The radius of a position is not used.
 template <class Real>
 struct LiquidArrays {
   std::uint32_t count = 0;
@@ -33,9 +26,6 @@ struct LiquidArrays {
   Vec3<Real>* shift = nullptr;     // velocity of the shift [m/s] (count), or null
   ListView<Neighbour> neighbours;  // both particles of a pair list each other
 
-  TANDEM_HD Seen<Real> seen(std::uint32_t i) const {
-    return {velocity[i].v, state[i].pressure, state[i].volume, state[i].slope};
-  }
   TANDEM_HD particles::FinePart<Real> fine_part(std::uint32_t i) const {
     if constexpr (particles::has_fine_part<Real>)
       return fine[i];

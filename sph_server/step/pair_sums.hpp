@@ -61,23 +61,22 @@ struct SumPairs {
   TANDEM_HD Sums of_lane(std::uint32_t i, std::uint32_t lane) const {
     using std::sqrt;
     Sums sum;
-    const Seen<Real> self = liquid.seen(i);
+    const ParticleState<Real> self = liquid.state[i];
     const particles::PositionRadius<Real> here = liquid.position[i];
-    const std::uint32_t end = liquid.neighbours.start[i + 1];
+    const std::uint32_t end = liquid.neighbours.end[i];
     for (std::uint32_t n = liquid.neighbours.start[i] + lane; n < end; n += lanes) {
       const Neighbour neighbour = liquid.neighbours.entry[n];
       const std::uint32_t j = neighbour.index();
       const Vec3<Real> d = apart(here, liquid.position[j], neighbour.image());
       const Real r2 = norm2(d);
       if (r2 >= pair.support2) continue;
-      const Seen<Real> other = liquid.seen(j);
+      const ParticleState<Real> other = liquid.state[j];
       const PairTerms<Real> t = pair_terms(pair, d, r2, self, other);
       const Real value = pair.kernel.value(sqrt(r2));
       const Vec3<Real> force = t.pressure + t.viscous;
-      for (int a = 0; a < 3; ++a)
-        sum.acceleration[a] += particles::to_fixed(static_cast<double>(force[a]), quanta.acceleration);
-      sum.continuity += particles::to_fixed(static_cast<double>(t.continuity), quanta.rate);
-      sum.diffusion += particles::to_fixed(static_cast<double>(t.diffusion), quanta.rate);
+      for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(force[a], quanta.acceleration);
+      sum.continuity += particles::to_fixed(t.continuity, quanta.rate);
+      sum.diffusion += particles::to_fixed(t.diffusion, quanta.rate);
       sum.viscous += t.viscous;
       sum.viscous_power += dot(t.viscous, self.v - other.v);
       sum.filled += other.volume * value;

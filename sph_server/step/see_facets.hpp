@@ -15,7 +15,7 @@ struct NameParticles {
   ListView<std::uint32_t> facets;
   std::uint32_t* particle = nullptr;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    for (std::uint32_t n = facets.start[i]; n < facets.start[i + 1]; ++n) particle[n] = i;
+    for (std::uint32_t n = facets.start[i]; n < facets.end[i]; ++n) particle[n] = i;
   }
 };
 
@@ -47,7 +47,7 @@ struct SelectFacets {
   double support = 0;  // [m]
 
   TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t begin = arrays.facets.start[i], end = arrays.facets.start[i + 1];
+    const std::uint32_t begin = arrays.facets.start[i], end = arrays.facets.end[i];
     std::uint32_t count = 0;
     bool any_closed = false;
     for (std::uint32_t n = begin; n < end; ++n) {

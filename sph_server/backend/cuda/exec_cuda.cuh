@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -23,11 +24,10 @@ template <class Entry, class Find>
 struct CountEntries {
   Find find;
   std::uint32_t* count;
-  template <class Group>
-  __device__ void operator()(std::uint32_t i, Group group) const {
+  __device__ void operator()(std::uint32_t i, particles::OneThread group) const {
     std::uint32_t sum = 0;
-    find(i, group, [&](Entry, bool exists) { sum += group.count(exists); });
-    if (group.first()) count[i] = sum;
+    find(i, group, [&](Entry, bool exists) { sum += exists ? 1 : 0; });
+    count[i] = sum;
   }
 };
 template <class Entry, class Find>
@@ -35,16 +35,63 @@ struct WriteEntries {
   Find find;
   const std::uint32_t* start;
   Entry* entry;
-  template <class Group>
-  __device__ void operator()(std::uint32_t i, Group group) const {
+  __device__ void operator()(std::uint32_t i, particles::OneThread group) const {
     std::uint32_t at = start[i];
     find(i, group, [&](Entry e, bool exists) {
-      const std::uint32_t before = group.before(exists);
-      if (exists) entry[at + before] = e;
-      at += group.count(exists);
+      if (exists) entry[at++] = e;
     });
   }
 };
+
+inline constexpr unsigned list_warps = 8;             // of a block
+inline constexpr std::uint32_t most_in_shared = 320;  // entries of a warp; few particles have more
+// Finds the entries of each particle once, by a warp, and takes room for those of a block from `total`. Where
+// there is not enough room, it counts all the same.
+template <class Entry, class Find>
+__global__ void __launch_bounds__(list_warps* particles::WarpGroup::size)
+    list_kernel(std::uint32_t n, Find find, std::uint32_t* start, std::uint32_t* end, Entry* entry,
+                std::uint32_t room, unsigned long long* total) {
+  static_assert(std::is_trivially_copyable_v<Entry>);
+  __shared__ alignas(Entry) unsigned char space[list_warps * most_in_shared * sizeof(Entry)];
+  __shared__ std::uint32_t counts[list_warps], begin;
+  __shared__ bool fits;
+  const particles::WarpGroup group;
+  const unsigned warp = threadIdx.x / particles::WarpGroup::size,
+                 lane = threadIdx.x % particles::WarpGroup::size;
+  const std::uint32_t i = blockIdx.x * list_warps + warp;
+  Entry* const found = reinterpret_cast<Entry*>(space) + warp * most_in_shared;
+  const auto list = [&](Entry* to, std::uint32_t most) {
+    std::uint32_t at = 0;
+    find(i, group, [&](Entry e, bool exists) {
+      const std::uint32_t mine = at + group.before(exists);
+      if (exists && mine < most) to[mine] = e;
+      at += group.count(exists);
+    });
+    return at;
+  };
+  const std::uint32_t count = i < n ? list(found, most_in_shared) : 0;
+  if (lane == 0) counts[warp] = count;
+  __syncthreads();
+  if (threadIdx.x == 0) {
+    std::uint32_t of_block = 0;
+    for (const std::uint32_t c : counts) of_block += c;
+    const unsigned long long before = atomicAdd(total, static_cast<unsigned long long>(of_block));
+    fits = before + of_block <= room;
+    begin = static_cast<std::uint32_t>(before);
+  }
+  __syncthreads();
+  if (i >= n || !fits) return;
+  std::uint32_t at = begin;
+  for (unsigned w = 0; w < warp; ++w) at += counts[w];
+  if (lane == 0) {
+    start[i] = at;
+    end[i] = at + count;
+  }
+  if (count > most_in_shared)
+    list(entry + at, count);
+  else
+    for (std::uint32_t k = lane; k < count; k += particles::WarpGroup::size) entry[at + k] = found[k];
+}
 
 // The value that the thread at this distance has.
 template <class T>
@@ -151,12 +198,17 @@ class CudaExec : public particles::DeviceExec {
   template <class Entry, class Find>
   void build_list(std::uint32_t n, Find find, List<CudaExec, Entry>& list) {
     grow(list.start, std::size_t{n} + 1);
-    zero(list.start, std::size_t{n} + 1);
-    fill(n, CountEntries<Entry, Find>{find, list.start.data()});
-    list.total = checked_total(reduce<EntryTotal>(n, AddCount{list.start.data()}).entries);
-    exclusive_sum(list.start, n + 1);
-    if (list.entry.size() < list.total) list.entry.resize(list.total + list.total / 8);
-    fill(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
+    if constexpr (Find::by_warps) {
+      grow(list.end, std::max(n, 1u));
+      while (!list_in_room(n, find, list)) list.entry.resize(list.total + list.total / 8);
+    } else {
+      zero(list.start, std::size_t{n} + 1);
+      fill(n, CountEntries<Entry, Find>{find, list.start.data()});
+      list.total = checked_total(reduce<EntryTotal>(n, AddCount{list.start.data()}).entries);
+      exclusive_sum(list.start, n + 1);
+      if (list.entry.size() < list.total) list.entry.resize(list.total + list.total / 8);
+      fill(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
+    }
   }
 
   template <class Sum>
@@ -191,16 +243,28 @@ class CudaExec : public particles::DeviceExec {
   }
 
  private:
-  template <class Entry, class Find, template <class, class> class Fill>
-  void fill(std::uint32_t n, Fill<Entry, Find> f) {
+  // False if there is too little room for the entries; it then knows how many there are.
+  template <class Entry, class Find>
+  bool list_in_room(std::uint32_t n, Find find, List<CudaExec, Entry>& list) {
+    if (list_total_.size() == 0) list_total_.resize(1);
+    zero(list_total_, 1);
+    const auto room = static_cast<std::uint32_t>(
+        std::min<std::size_t>(list.entry.size(), std::numeric_limits<std::uint32_t>::max()));
+    if (n > 0) {
+      list_kernel<<<(n + list_warps - 1) / list_warps, list_warps * particles::WarpGroup::size, 0, stream_>>>(
+          n, find, list.start.data(), list.end.data(), list.entry.data(), room, list_total_.data());
+      particles::check_cuda(cudaGetLastError(), "starting a kernel");
+    }
+    unsigned long long total = 0;
+    download(list_total_, std::span(&total, 1));
+    list.total = checked_total(total);
+    return list.total <= room;
+  }
+  template <class F>
+  void fill(std::uint32_t n, F f) {
     if (n == 0) return;
     const unsigned threads = block(particles::block_threads);
-    if constexpr (Find::by_warps)
-      particles::
-          for_each_shared_kernel<<<blocks(n * particles::WarpGroup::size, threads), threads, 0, stream_>>>(n,
-                                                                                                           f);
-    else
-      particles::for_each_alone_kernel<<<blocks(n, threads), threads, 0, stream_>>>(n, f);
+    particles::for_each_alone_kernel<<<blocks(n, threads), threads, 0, stream_>>>(n, f);
     particles::check_cuda(cudaGetLastError(), "starting a kernel");
   }
   static unsigned reduce_blocks(std::uint32_t n) {
@@ -227,6 +291,7 @@ class CudaExec : public particles::DeviceExec {
 
   Buffer<std::byte> tallies_;  // of the blocks of a kernel
   Buffer<std::int64_t> of_body_;
+  Buffer<unsigned long long> list_total_;
 };
 
 }  // namespace tandem::sph

@@ -84,10 +84,18 @@ TEST(NeighbourList, EndsAtASheet) {
   List<CpuExec, std::uint32_t> facets;
   exec.build_list(n, FindFacets{walls.view(), x.data(), 0.5}, facets);
   List<CpuExec, Neighbour> list;
-  exec.build_list(
-      n,
-      FindNeighbours{grid, {}, cell_start.data(), in_cell.data(), x.data(), 0.5, walls.view(), facets.view()},
-      list);
+  exec.build_list(n,
+                  FindNeighbours{grid,
+                                 grid.edge(),
+                                 1,
+                                 {},
+                                 cell_start.data(),
+                                 in_cell.data(),
+                                 x.data(),
+                                 0.5,
+                                 walls.view(),
+                                 facets.view()},
+                  list);
   EXPECT_EQ(std::vector<std::uint32_t>(list.start.data(), list.start.data() + n + 1),
             (std::vector<std::uint32_t>{0, 0, 1, 2, 3, 4}));
   EXPECT_EQ(list.entry.data()[0].index(), 2u);
