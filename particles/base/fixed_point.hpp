@@ -36,20 +36,6 @@ TANDEM_HD inline std::int64_t to_fixed(double value, Quantum q) {
 #endif
 }
 
-// Equal to the above. Conversions to 64 bits are four times as slow on a GPU as those to 32, so it converts
-// in two parts, both exact since the quantum is a power of two: multiples of 2^30, and the rest.
-TANDEM_HD inline std::int64_t to_fixed(float value, Quantum q) {
-#if defined(__CUDA_ARCH__)
-  constexpr float unit = 1073741824;  // 2^30
-  const float scaled = value * static_cast<float>(q.inverse);
-  const int high = __float2int_rn(scaled * (1 / unit));
-  const int low = __float2int_rn(scaled - static_cast<float>(high) * unit);
-  return static_cast<std::int64_t>(high) * (1 << 30) + low;
-#else
-  return to_fixed(static_cast<double>(value), q);
-#endif
-}
-
 TANDEM_HD inline double from_fixed(std::int64_t value, Quantum q) {
   return static_cast<double>(value) * q.size;
 }

@@ -18,11 +18,11 @@ struct LiquidStart {
   std::vector<particles::BodyPose> poses;  // of setup.walls
   Sites sites;                             // of the boxes
   std::vector<FilledInside> insides;
-  double depth = 0;                   // of the deepest liquid [m]
-  BodyId vessel = ground;             // see vessel_of()
-  Vec3d velocity;                     // of the liquid [m/s]
+  double depth = 0;                    // of the deepest liquid [m]
+  BodyId vessel = ground;              // see vessel_of()
+  Vec3d velocity;                      // of the liquid [m/s]
   std::vector<std::string> coarsened;  // see wall_meshes()
-  std::vector<std::string> warnings;  // of open faces, edges, inlets, and of a unit that is likely wrong
+  std::vector<std::string> warnings;   // of open faces, edges, inlets, and of a unit that is likely wrong
 
   std::size_t particles() const;  // about as many as there will be
 };

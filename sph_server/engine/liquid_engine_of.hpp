@@ -398,14 +398,19 @@ class LiquidEngineOf final : public LiquidEngine {
   void set_quanta(std::size_t n) {
     const Liquid& l = setup_.liquid;
     const double c = l.sound_speed, many = static_cast<double>(n);
-    constexpr double least = 1e-18;  // the inverse of a finer quantum is no number in single precision
-    const double acceleration = std::max(least, 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity));
+    const double acceleration = 1e4 * c * c / l.spacing + 1e3 * many * norm(l.gravity);
     quanta_.acceleration = particles::Quantum::for_range(acceleration);
-    quanta_.rate = particles::Quantum::for_range(std::max(least, 1e4 * c / l.spacing));
+    quanta_.rate = particles::Quantum::for_range(1e4 * c / l.spacing);
     quanta_.power = particles::Quantum::for_range(l.mass() * (acceleration + many * c * c / l.spacing) * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
     quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
-    pairs_.quanta = rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
+    // Of two particles. A liquid at twice its density, where the run ends, has 3 and 1.
+    const double fastest = c / l.spacing,
+                 viscous = l.viscosity / (l.density * l.spacing * l.spacing) + l.artificial * fastest;
+    pairs_.of_acceleration =
+        particles::AddendScale<Real>::of(quanta_.acceleration, 64 * (fastest + viscous) * c);
+    pairs_.of_rate = particles::AddendScale<Real>::of(quanta_.rate, 64 * fastest);
+    rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
   }
 
   // Writes the present positions to `located_`. Strays pass walls since the lists were built.
@@ -474,7 +479,19 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.grow(seen_, facets_.total);
     if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
     if (facets_.total > 0) exec_.for_each(count(), NameParticles{facets_.view(), particle_.data()});
+    list_beside_walls();
     use_arrays();
+  }
+
+  void list_beside_walls() {
+    exec_.grow(before_, count_ + 1);
+    exec_.zero(before_, count_ + 1);
+    beside_walls_ =
+        exec_.template reduce<BesideWalls>(count(), MarkBesideWalls{facets_.view(), before_.data()})
+            .particles;
+    exec_.grow(beside_wall_, beside_walls_);
+    exec_.exclusive_sum(before_, count() + 1);
+    exec_.for_each(count(), ListBesideWalls{before_.data(), beside_wall_.data()});
   }
 
   // See engine/lost.hpp.
@@ -518,12 +535,16 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(facets_.total, see_);
     rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
-    Tally sum = exec_.template reduce<Tally>(count(), rates_, body_sums_);
-    if (walls_.bodies() > 1) {
-      std::vector<BodySum> at_edges(walls_.bodies());
-      sum.add(exec_.template reduce<Tally>(facets_.total, edges_, at_edges));
-      for (std::size_t b = 0; b < at_edges.size(); ++b) body_sums_[b].add(at_edges[b]);
-    }
+    const bool several = walls_.bodies() > 1;  // whose edges may meet
+    const Tally sum = exec_.template reduce<Tally>(
+        body_sums_, Part{count(), SumRatesInside<Real, shifting>{rates_}},
+        Part{beside_walls_, SumRatesBesideWalls<Real, shifting>{rates_, beside_wall_.data()}},
+        Part{several ? facets_.total : 0, edges_});
+    if (sum.burst != 0)
+      throw Error(ErrorCode::numerics,
+                  "the liquid flies apart: forces between two particles are beyond any that a liquid of this "
+                  "speed of sound has",
+                  "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
     if (sum.crowded_by_facets > 0) refuse_crowded();
     for (int p = 0; p < powers; ++p) power_[p] = particles::from_fixed(sum.power[p], quanta_.power);
     figures_.largest_speed = std::sqrt(sum.largest_speed2);
@@ -560,7 +581,9 @@ class LiquidEngineOf final : public LiquidEngine {
   bool built_ = false;      // lists are those of built_at_
   bool keeps_all_ = false;  // a particle outside the domain is an error
   LostParticles lost_;
-  Buffer<std::uint32_t> kept_before_;
+  Buffer<std::uint32_t> before_;  // numbers of particles, see ListBesideWalls and KeepEntry
+  Buffer<std::uint32_t> beside_wall_;
+  std::uint32_t beside_walls_ = 0;
   List<Exec, Neighbour> neighbours_;
   List<Exec, std::uint32_t> facets_;
   Buffer<std::uint32_t> particle_, near_count_;

@@ -42,12 +42,12 @@ struct KeepEntry {
 // Particles whose positions in `located_` are outside the domain.
 template <class Exec, class Real, bool shifting>
 void LiquidEngineOf<Exec, Real, shifting>::take_out_lost() {
-  exec_.grow(kept_before_, count_ + 1);
-  exec_.zero(kept_before_, count_ + 1);
-  exec_.for_each(count(), MarkInside{domain_now(), located_.data(), kept_before_.data()});
-  exec_.exclusive_sum(kept_before_, count() + 1);
+  exec_.grow(before_, count_ + 1);
+  exec_.zero(before_, count_ + 1);
+  exec_.for_each(count(), MarkInside{domain_now(), located_.data(), before_.data()});
+  exec_.exclusive_sum(before_, count() + 1);
   std::vector<std::uint32_t> before(count_ + 1);
-  exec_.download(kept_before_, std::span(before));
+  exec_.download(before_, std::span(before));
   for (std::uint32_t i = 0; i < count(); ++i)
     if (before[i + 1] == before[i]) lost_.index.push_back(i);
 
@@ -68,7 +68,7 @@ void LiquidEngineOf<Exec, Real, shifting>::take_out_lost() {
     using T = std::remove_pointer_t<decltype(array.data())>;
     Buffer<T> kept;
     exec_.grow(kept, array.size());
-    exec_.for_each(count(), KeepEntry<T>{kept_before_.data(), array.data(), kept.data()});
+    exec_.for_each(count(), KeepEntry<T>{before_.data(), array.data(), kept.data()});
     array = std::move(kept);
   };
   Memory::each([&](const char*, auto& array) { keep(array); }, memory_);

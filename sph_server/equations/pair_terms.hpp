@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/math/vec3.hpp"
+#include "particles/base/arithmetic.hpp"
 #include "sph_server/equations/liquid.hpp"
 #include "sph_server/kernel/wendland.hpp"
 
@@ -45,10 +46,13 @@ struct PairConstants {
 
 template <class Real>
 struct PairTerms {
-  Vec3<Real> pressure;  // acceleration by pressure [m/s2]
-  Vec3<Real> viscous;   // and by viscosity [m/s2]
+  Real pressure = 0;    // acceleration by pressure, divided by d [1/s2]
+  Real viscous = 0;     // and by viscosity [1/s2]
   Real continuity = 0;  // rate of compression by motion, divided by 1 + e [1/s]
   Real diffusion = 0;   // and by density diffusion [1/s]
+  Real approach = 0;    // (v_i - v_j) . d [m2/s]
+  Real kernel = 0;      // W [1/m3]
+  Real gradient = 0;    // (1/r) dW/dr [1/m5]
 };
 
 // Terms of particle i from j; d = x_i - x_j, r2 = |d|^2 < support^2.
@@ -66,20 +70,19 @@ struct PairTerms {
 template <class Real>
 TANDEM_HD PairTerms<Real> pair_terms(const PairConstants<Real>& c, Vec3<Real> d, Real r2,
                                      const ParticleState<Real>& i, const ParticleState<Real>& j) {
-  using std::sqrt;
-  const Real gradient = c.kernel.gradient_by_distance(sqrt(r2));
-  const Real volumes = (i.volume * j.volume) * c.inverse_mass;
-  const Vec3<Real> v = i.v - j.v;
-  const Real approach = dot(v, d);
-  constexpr Real half{0.5};
+  constexpr Real half{0.5}, least{0x1p-100};
+  const auto [kernel, gradient] = c.kernel.both(particles::root(r2 > least ? r2 : least));
+  const Real volumes = (i.volume * j.volume) * c.inverse_mass, of_j = j.volume * gradient;
   PairTerms<Real> t;
-  t.pressure = (-(volumes * ((i.pressure + j.pressure) * gradient))) * d;
-  t.viscous = (volumes * (c.viscous * gradient) * approach) * d;
-  if (c.artificial > 0 && approach < 0)
-    t.viscous += (volumes * (c.artificial * gradient) * (approach / (r2 + c.soft2))) * d;
-  t.continuity = j.volume * (approach * gradient);
-  t.diffusion =
-      -(c.diffusive * gradient) * (j.volume * ((j.pressure - i.pressure) + half * dot(i.slope + j.slope, d)));
+  t.kernel = kernel;
+  t.gradient = gradient;
+  t.approach = dot(i.v - j.v, d);
+  t.pressure = -(volumes * ((i.pressure + j.pressure) * gradient));
+  Real viscous = c.viscous;
+  if (c.artificial > 0 && t.approach < 0) viscous += c.artificial * particles::reciprocal(r2 + c.soft2);
+  t.viscous = (volumes * (viscous * gradient)) * t.approach;
+  t.continuity = of_j * t.approach;
+  t.diffusion = -(c.diffusive * of_j) * ((j.pressure - i.pressure) + half * dot(i.slope + j.slope, d));
   return t;
 }
 

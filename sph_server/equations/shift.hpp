@@ -24,15 +24,13 @@ struct Crowding<Real, true> {
   Vec3<Real> gradient;   // of the concentration of particles, with the factor above [1/m]
   Real deformation = 0;  // s [1/s]
 
-  // value: of the kernel; continuity: the term of this pair.
-  TANDEM_HD void add(const PairConstants<Real>& c, Vec3<Real> d, Real r2, Real value, Real volume,
-                     Real continuity) {
+  // volume: of the neighbour.
+  TANDEM_HD void add(const PairConstants<Real>& c, Vec3<Real> d, const PairTerms<Real>& t, Real volume) {
     using std::fabs;
-    using std::sqrt;
-    const Real ratio = value * c.inverse_near, ratio2 = ratio * ratio;
+    const Real ratio = t.kernel * c.inverse_near, ratio2 = ratio * ratio;
     const Real factor = 1 + static_cast<Real>(0.2) * (ratio2 * ratio2);
-    gradient += (volume * c.kernel.gradient_by_distance(sqrt(r2)) * factor) * d;
-    deformation += fabs(continuity);
+    gradient += (volume * t.gradient * factor) * d;
+    deformation += fabs(t.continuity);
   }
 };
 

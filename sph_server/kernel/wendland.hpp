@@ -25,13 +25,25 @@ struct Kernel {
 
   // W at distance r <= R [1/m3].
   TANDEM_HD Real value(Real r) const {
-    const Real s = r * inverse, u = 1 - s, u2 = u * u;
-    return peak * (u2 * u2) * (1 + 4 * s);
+    const Real s = r * inverse, u = 1 - s;
+    return at(s, u, u * u).value;
   }
   // The gradient of W at x_i is this times x_i - x_j; r <= R is their distance [1/m5].
   TANDEM_HD Real gradient_by_distance(Real r) const {
-    const Real u = 1 - r * inverse;
-    return slope * (u * u * u);
+    const Real s = r * inverse, u = 1 - s;
+    return at(s, u, u * u).gradient;
+  }
+  struct Both {
+    Real value, gradient;
+  };
+  TANDEM_HD Both both(Real r) const {
+    const Real s = r * inverse, u = 1 - s;
+    return at(s, u, u * u);
+  }
+
+ private:
+  TANDEM_HD Both at(Real s, Real u, Real u2) const {
+    return {peak * (u2 * u2) * (1 + 4 * s), slope * (u2 * u)};
   }
 };
 

@@ -27,4 +27,11 @@ struct BodySum {
   }
 };
 
+// What a back end sums up over i < n.
+template <class F>
+struct Part {
+  std::uint32_t n = 0;
+  F f;
+};
+
 }  // namespace tandem::sph

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "particles/base/fixed_point.hpp"
+#include "particles/base/exact_sum.hpp"
 #include "sph_server/equations/pair_terms.hpp"
 #include "sph_server/equations/shift.hpp"
 #include "sph_server/step/arrays.hpp"
@@ -25,9 +25,10 @@ struct PairSums {
   std::int64_t acceleration[3]{};  // by pressure and viscosity, in quanta
   std::int64_t continuity = 0;     // in quanta
   std::int64_t diffusion = 0;
-  Vec3<Real> viscous;      // the part of the acceleration by viscosity [m/s2]
-  Real viscous_power = 0;  // of viscosity, of both particles of a pair, divided by the mass [W/kg]
-  Real filled = 0;         // sum of V_j W: part of the kernel that neighbours fill [-]
+  Vec3<Real> viscous;       // the part of the acceleration by viscosity [m/s2]
+  Real viscous_power = 0;   // of viscosity, of both particles of a pair, divided by the mass [W/kg]
+  Real filled = 0;          // sum of V_j W: part of the kernel that neighbours fill [-]
+  std::uint32_t burst = 0;  // not 0: a term is beyond the range of the sums, or no number
   Crowding<Real, shifting> crowding;
 
   TANDEM_HD void add(const PairSums& b) {
@@ -37,6 +38,7 @@ struct PairSums {
     viscous += b.viscous;
     viscous_power += b.viscous_power;
     filled += b.filled;
+    burst |= b.burst;
     if constexpr (shifting) {
       crowding.gradient += b.crowding.gradient;
       crowding.deformation += b.crowding.deformation;
@@ -54,13 +56,16 @@ struct SumPairs {
   particles::LengthUnit<Real> unit;
   Vec3<typename particles::LengthUnit<Real>::Count> period;
   PairConstants<Real> pair;
-  Quanta quanta;
-  Sums* result = nullptr;  // (count)
+  particles::AddendScale<Real> of_acceleration;  // in Quanta::acceleration
+  particles::AddendScale<Real> of_rate;          // in Quanta::rate
+  Sums* result = nullptr;                        // (count)
 
   // The sums of one lane.
   TANDEM_HD Sums of_lane(std::uint32_t i, std::uint32_t lane) const {
-    using std::sqrt;
+    using std::fabs;
     Sums sum;
+    particles::ExactSum<Real> acceleration[3], continuity, diffusion;
+    std::uint32_t addends = 0;
     const ParticleState<Real> self = liquid.state[i];
     const particles::PositionRadius<Real> here = liquid.position[i];
     const std::uint32_t end = liquid.neighbours.end[i];
@@ -72,16 +77,22 @@ struct SumPairs {
       if (r2 >= pair.support2) continue;
       const ParticleState<Real> other = liquid.state[j];
       const PairTerms<Real> t = pair_terms(pair, d, r2, self, other);
-      const Real value = pair.kernel.value(sqrt(r2));
-      const Vec3<Real> force = t.pressure + t.viscous;
-      for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(force[a], quanta.acceleration);
-      sum.continuity += particles::to_fixed(t.continuity, quanta.rate);
-      sum.diffusion += particles::to_fixed(t.diffusion, quanta.rate);
-      sum.viscous += t.viscous;
-      sum.viscous_power += dot(t.viscous, self.v - other.v);
-      sum.filled += other.volume * value;
-      if constexpr (shifting) sum.crowding.add(pair, d, r2, value, other.volume, t.continuity);
+      const Real factor = t.pressure + t.viscous;
+      const Vec3<Real> force = factor * d, viscous = t.viscous * d;
+      for (int a = 0; a < 3; ++a) acceleration[a].add(force[a], of_acceleration);
+      continuity.add(t.continuity, of_rate);
+      diffusion.add(t.diffusion, of_rate);
+      sum.burst |= !(fabs(factor) * pair.kernel.support <= of_acceleration.bound) ||
+                   !(fabs(t.continuity) <= of_rate.bound) || !(fabs(t.diffusion) <= of_rate.bound);
+      sum.viscous += viscous;
+      sum.viscous_power += t.viscous * t.approach;
+      sum.filled += other.volume * t.kernel;
+      if constexpr (shifting) sum.crowding.add(pair, d, t, other.volume);
+      ++addends;
     }
+    for (int a = 0; a < 3; ++a) sum.acceleration[a] = acceleration[a].value(of_acceleration, addends);
+    sum.continuity = continuity.value(of_rate, addends);
+    sum.diffusion = diffusion.value(of_rate, addends);
     return sum;
   }
   TANDEM_HD void take(std::uint32_t i, const Sums& sum) const { result[i] = sum; }

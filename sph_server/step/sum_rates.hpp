@@ -20,26 +20,29 @@ struct SumRates {
   double peak = 0;  // W(0) [1/m3]
   Vec3d frame;      // velocity relative to which speeds count [m/s]
 
-  // `bodies`: sums of this thread.
-  template <class Bodies>
-  TANDEM_HD void operator()(std::uint32_t i, Tally& tally, Bodies& bodies) const {
+  // beside_walls: walls may be near the particle. `bodies`: sums of this thread.
+  template <bool beside_walls, class Bodies>
+  TANDEM_HD void of(std::uint32_t i, Tally& tally, Bodies& bodies) const {
     PairSums<Real, shifting> sum = pairs[i];
     for (int a = 0; a < 3; ++a) tally.momentum_rate[a] += sum.acceleration[a];
+    tally.burst |= sum.burst;
     const double mass = properties.mass();
     tally.add(Power::viscosity, 0.5 * mass * static_cast<double>(sum.viscous_power), quanta.power);
 
-    Vec3d viscous = sum.viscous.template as<double>(), by_pressure = of(sum.acceleration) - viscous;
+    Vec3d viscous = sum.viscous.template as<double>(), by_pressure = metric(sum.acceleration) - viscous;
     const double compression = liquid.compression[i],
                  pressure = static_cast<double>(liquid.state[i].pressure),
                  volume = static_cast<double>(liquid.state[i].volume);
     const auto neighbours = static_cast<double>(sum.filled);
     const double own = volume * peak;
     WallSums wall;
-    if (walls.any_near(i)) {
-      wall = walls(i, by_pressure, neighbours, own, tally, bodies);
-      for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
-      viscous += wall.viscous;
-      by_pressure = of(sum.acceleration) - viscous - wall.repelled;
+    if constexpr (beside_walls) {
+      if (walls.any_near(i)) {
+        wall = walls(i, by_pressure, neighbours, own, tally, bodies);
+        for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
+        viscous += wall.viscous;
+        by_pressure = metric(sum.acceleration) - viscous - wall.repelled;
+      }
     }
     const double filled = filled_room(neighbours, own, wall.shadow);
     const double by_motion = particles::from_fixed(sum.continuity + wall.continuity, quanta.rate),
@@ -55,7 +58,7 @@ struct SumRates {
               quanta.power);
 
     const Vec3d v = particles::velocity_of(liquid.velocity[i], liquid.fine_part(i));
-    const Vec3d acceleration = properties.gravity + of(sum.acceleration);
+    const Vec3d acceleration = properties.gravity + metric(sum.acceleration);
     tally.add(Power::gravity, mass * dot(properties.gravity, v), quanta.power);
     tally.observe(norm2(v - frame), norm2(acceleration), std::fabs(compression));
     liquid.acceleration[0][i] = acceleration;
@@ -68,11 +71,52 @@ struct SumRates {
   }
 
  private:
-  TANDEM_HD Vec3d of(const std::int64_t* acceleration) const {
+  TANDEM_HD Vec3d metric(const std::int64_t* acceleration) const {
     return {particles::from_fixed(acceleration[0], quanta.acceleration),
             particles::from_fixed(acceleration[1], quanta.acceleration),
             particles::from_fixed(acceleration[2], quanta.acceleration)};
   }
 };
 
+// Of the particles that have no facets in their lists.
+template <class Real, bool shifting>
+struct SumRatesInside {
+  SumRates<Real, shifting> rates;
+  template <class Bodies>
+  TANDEM_HD void operator()(std::uint32_t i, Tally& tally, Bodies& bodies) const {
+    const ListView<std::uint32_t>& facets = rates.walls.arrays.facets;
+    if (facets.start[i] == facets.end[i]) rates.template of<false>(i, tally, bodies);
+  }
+};
+// Of the others, which take far longer.
+template <class Real, bool shifting>
+struct SumRatesBesideWalls {
+  SumRates<Real, shifting> rates;
+  const std::uint32_t* particle = nullptr;
+  template <class Bodies>
+  TANDEM_HD void operator()(std::uint32_t k, Tally& tally, Bodies& bodies) const {
+    rates.template of<true>(particle[k], tally, bodies);
+  }
+};
+
+// The particles that have facets in their lists.
+struct BesideWalls {
+  std::uint32_t particles = 0;
+  TANDEM_HD void add(const BesideWalls& b) { particles += b.particles; }
+};
+struct MarkBesideWalls {
+  ListView<std::uint32_t> facets;
+  std::uint32_t* mark = nullptr;  // 1: one of them
+  TANDEM_HD void operator()(std::uint32_t i, BesideWalls& sum) const {
+    mark[i] = facets.start[i] < facets.end[i] ? 1 : 0;
+    sum.particles += mark[i];
+  }
+};
+struct ListBesideWalls {
+  const std::uint32_t* before = nullptr;  // number of them before each particle (particles + 1)
+  std::uint32_t* particle = nullptr;
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    if (before[i + 1] != before[i]) particle[before[i]] = i;
+  }
+};
 }  // namespace tandem::sph

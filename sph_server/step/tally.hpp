@@ -28,6 +28,7 @@ struct Tally {
   std::int64_t momentum_rate[3]{};  // of the pair forces: zero, if they are antisymmetric
   double largest_speed2 = 0, largest_acceleration2 = 0, largest_compression = 0;
   std::uint32_t crowded_by_facets = 0;
+  std::uint32_t burst = 0;  // see PairSums
 
   TANDEM_HD void add(Power which, double watts, particles::Quantum q) {
     power[static_cast<int>(which)] += particles::to_fixed(watts, q);
@@ -43,6 +44,7 @@ struct Tally {
     for (int a = 0; a < 3; ++a) momentum_rate[a] += b.momentum_rate[a];
     observe(b.largest_speed2, b.largest_acceleration2, b.largest_compression);
     crowded_by_facets += b.crowded_by_facets;
+    burst |= b.burst;
   }
 
  private:

@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "particles/base/arithmetic.hpp"
-#include "particles/base/fixed_point.hpp"
 
 namespace tandem::test {
 namespace {
@@ -113,19 +112,6 @@ struct QuotientOfZero {
 };
 TEST(Arithmetic, NothingDividedIsNothing) {
   expect_all_right(QuotientOfZero{}, 226ull << 23);
-}
-
-struct FixedPoint {
-  particles::Quantum q;
-  __device__ Verdict operator()(std::uint32_t bits) const {
-    const float value = __uint_as_float(bits);
-    if (!(fabs(static_cast<double>(value) * q.inverse) < 0x1p60)) return left_out;
-    return to_fixed(value, q) == to_fixed(static_cast<double>(value), q) ? right : wrong;
-  }
-};
-TEST(Arithmetic, SinglePrecisionBecomesTheSameFixedPointNumbers) {
-  for (const double range : {1e-12, 1.0, 3e8, 1e20})
-    expect_all_right(FixedPoint{particles::Quantum::for_range(range)}, 1u << 30);
 }
 
 }  // namespace

@@ -79,15 +79,18 @@ class CpuExec : public particles::HostExec {
     for (const Tally& tally : tallies) sum.add(tally);
     return sum;
   }
-  // The same for f(i, tally, bodies), with sums for each body.
-  template <class Tally, class F>
-  Tally reduce(std::uint32_t n, F f, std::vector<BodySum>& of_bodies) {
+  // The same for one part after the other, f(i, tally, bodies) for i < n of each, with sums for each body.
+  template <class Tally, class... F>
+  Tally reduce(std::vector<BodySum>& of_bodies, Part<F>... parts) {
     std::vector<Tally> tallies(pool_->size());
     std::vector<BodySums> bodies(pool_->size(), BodySums{std::vector<BodySum>(of_bodies.size())});
-    pool_->run([&](unsigned thread) {
-      const particles::Range range = share(n, thread);
-      for (std::uint32_t i = range.begin; i < range.end; ++i) f(i, tallies[thread], bodies[thread]);
-    });
+    const auto add = [&](const auto& part) {
+      pool_->run([&](unsigned thread) {
+        const particles::Range range = share(part.n, thread);
+        for (std::uint32_t i = range.begin; i < range.end; ++i) part.f(i, tallies[thread], bodies[thread]);
+      });
+    };
+    (add(parts), ...);
     Tally sum;
     of_bodies.assign(of_bodies.size(), {});
     for (unsigned t = 0; t < pool_->size(); ++t) {

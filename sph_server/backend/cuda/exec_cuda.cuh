@@ -122,17 +122,15 @@ __global__ void __launch_bounds__(particles::block_threads) sum_over_lanes_kerne
   for (unsigned distance = 1; distance < lanes; distance *= 2) s.add(exchanged(s, distance));
   if (exists && thread % lanes == 0) sum.take(i, s);
 }
-// Adds the tallies of a block up; thread 0 then has the sum.
+// Adds the tallies of a block up; thread 0 then has the sum. shared: one for each warp.
 template <class Tally>
 __device__ void add_up(Tally& own, Tally* shared) {
-  shared[threadIdx.x] = own;
+  constexpr unsigned warp = particles::WarpGroup::size;
+  for (unsigned distance = 1; distance < warp; distance *= 2) own.add(exchanged(own, distance));
+  if (threadIdx.x % warp == 0) shared[threadIdx.x / warp] = own;
   __syncthreads();
-  for (unsigned half = blockDim.x / 2; half > 0; half /= 2) {
-    if (threadIdx.x < half) shared[threadIdx.x].add(shared[threadIdx.x + half]);
-    // After the last sum as well: the compiler lets all threads read the element of thread 0.
-    __syncthreads();
-  }
-  if (threadIdx.x == 0) own = shared[0];
+  if (threadIdx.x == 0)
+    for (unsigned w = 1; w < blockDim.x / warp; ++w) own.add(shared[w]);
 }
 
 // Sums of bodies: those of few bodies are added up in the memory of a block first.
@@ -158,7 +156,7 @@ inline constexpr std::uint32_t most_shared_bodies = 32;
 
 template <class Tally, class F>
 __global__ void __launch_bounds__(reduce_threads) reduce_kernel(std::uint32_t n, F f, Tally* of_block) {
-  __shared__ alignas(Tally) unsigned char space[reduce_threads * sizeof(Tally)];
+  __shared__ alignas(Tally) unsigned char space[reduce_threads / particles::WarpGroup::size * sizeof(Tally)];
   Tally own;
   for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x) f(i, own);
   add_up(own, reinterpret_cast<Tally*>(space));
@@ -168,7 +166,7 @@ template <class Tally, class F>
 __global__ void __launch_bounds__(reduce_threads)
     reduce_with_bodies_kernel(std::uint32_t n, F f, Tally* of_block, std::uint32_t bodies,
                               std::int64_t* of_body) {
-  __shared__ alignas(Tally) unsigned char space[reduce_threads * sizeof(Tally)];
+  __shared__ alignas(Tally) unsigned char space[reduce_threads / particles::WarpGroup::size * sizeof(Tally)];
   __shared__ particles::SplitSum shared[most_shared_bodies * 6];
   const std::uint32_t in_shared = bodies < most_shared_bodies ? bodies : most_shared_bodies;
   for (unsigned k = threadIdx.x; k < in_shared * 6; k += blockDim.x) shared[k] = {0, 0};
@@ -184,7 +182,7 @@ __global__ void __launch_bounds__(reduce_threads)
 }
 template <class Tally>
 __global__ void __launch_bounds__(reduce_threads) join_kernel(unsigned blocks, Tally* of_block) {
-  __shared__ alignas(Tally) unsigned char space[reduce_threads * sizeof(Tally)];
+  __shared__ alignas(Tally) unsigned char space[reduce_threads / particles::WarpGroup::size * sizeof(Tally)];
   Tally own;
   for (unsigned k = threadIdx.x; k < blocks; k += blockDim.x) own.add(of_block[k]);
   add_up(own, reinterpret_cast<Tally*>(space));
@@ -226,16 +224,22 @@ class CudaExec : public particles::DeviceExec {
     particles::check_cuda(cudaGetLastError(), "starting a kernel");
     return joined(n, of_block);
   }
-  template <class Tally, class F>
-  Tally reduce(std::uint32_t n, F f, std::vector<BodySum>& of_bodies) {
+  template <class Tally, class... F>
+  Tally reduce(std::vector<BodySum>& of_bodies, Part<F>... parts) {
     static_assert(sizeof(BodySum) == 6 * sizeof(std::int64_t));
-    Tally* const of_block = tallies<Tally>();
+    Tally* const of_block = tallies<Tally>(sizeof...(parts));
     grow(of_body_, std::max<std::size_t>(1, of_bodies.size()) * 6);
     zero(of_body_, of_bodies.size() * 6);
-    reduce_with_bodies_kernel<<<reduce_blocks(n), reduce_threads, 0, stream_>>>(
-        n, f, of_block, static_cast<std::uint32_t>(of_bodies.size()), of_body_.data());
-    particles::check_cuda(cudaGetLastError(), "starting a kernel");
-    join(n, of_block);
+    unsigned blocks = 0;
+    const auto add = [&](const auto& part) {
+      if (part.n == 0) return;
+      reduce_with_bodies_kernel<<<reduce_blocks(part.n), reduce_threads, 0, stream_>>>(
+          part.n, part.f, of_block + blocks, static_cast<std::uint32_t>(of_bodies.size()), of_body_.data());
+      particles::check_cuda(cudaGetLastError(), "starting a kernel");
+      blocks += reduce_blocks(part.n);
+    };
+    (add(parts), ...);
+    join(blocks, of_block);
     Tally sum;
     download(tallies_, std::as_writable_bytes(std::span(&sum, 1)), of_body_,
              std::span(reinterpret_cast<std::int64_t*>(of_bodies.data()), of_bodies.size() * 6));
@@ -271,19 +275,19 @@ class CudaExec : public particles::DeviceExec {
     return std::min(most_reduce_blocks, blocks(n, reduce_threads));
   }
   template <class Tally>
-  Tally* tallies() {
+  Tally* tallies(std::size_t parts = 1) {
     static_assert(alignof(Tally) <= 16);
-    grow(tallies_, most_reduce_blocks * sizeof(Tally));
+    grow(tallies_, parts * most_reduce_blocks * sizeof(Tally));
     return reinterpret_cast<Tally*>(tallies_.data());
   }
   template <class Tally>
-  void join(std::uint32_t n, Tally* of_block) {
-    join_kernel<<<1, reduce_threads, 0, stream_>>>(reduce_blocks(n), of_block);
+  void join(unsigned blocks, Tally* of_block) {
+    join_kernel<<<1, reduce_threads, 0, stream_>>>(blocks, of_block);
     particles::check_cuda(cudaGetLastError(), "starting a kernel");
   }
   template <class Tally>
   Tally joined(std::uint32_t n, Tally* of_block) {
-    join(n, of_block);
+    join(reduce_blocks(n), of_block);
     Tally sum;
     download(tallies_, std::as_writable_bytes(std::span(&sum, 1)));
     return sum;
