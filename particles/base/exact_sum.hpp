@@ -12,6 +12,8 @@
 
 namespace tandem::particles {
 
+inline constexpr std::uint32_t most_addends = 511;  // of one sum
+
 // How addends of a sum in quanta of `sum` are rounded. They are below a bound.
 template <class Real>
 struct AddendScale;
@@ -65,7 +67,7 @@ class ExactSum<float> {
     high_ += std::bit_cast<std::uint32_t>(high);
     low_ += std::bit_cast<std::uint32_t>(rest + scale.fine);
   }
-  // In quanta of the sum; of this many addends, at most 511.
+  // In quanta of the sum; of this many addends.
   TANDEM_HD std::int64_t value(const AddendScale<float>& scale, std::uint32_t addends) const {
     const auto part = [addends](std::uint32_t sum, float zero) {
       return std::int64_t{static_cast<std::int32_t>(sum - addends * std::bit_cast<std::uint32_t>(zero))};

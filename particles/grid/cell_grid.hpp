@@ -26,9 +26,10 @@ struct CellGrid {
   // spheres of the searched cells are near enough.
   double apart2 = 0;
 
-  Vec3d edge() const {
-    return {1 / inverse_cell.x, 1 / inverse_cell.y, 1 / inverse_cell.z};
-  }  // of a cell [m]
+  // Of a cell [unit].
+  Vec3f edge(double unit) const {
+    return (1 / unit * Vec3d{1 / inverse_cell.x, 1 / inverse_cell.y, 1 / inverse_cell.z}).as<float>();
+  }
   TANDEM_HD std::int32_t along(double x, int axis) const {
     const double c = (x - origin[axis]) * inverse_cell[axis];
     return static_cast<std::int32_t>(c);

@@ -469,10 +469,11 @@ class LiquidEngineOf final : public LiquidEngine {
     const WallsView walls = device_walls_.view();
     // Lists are symmetric also where two particles are just within the reach.
     exec_.build_list(count(), FindFacets{walls, built_at_.data(), reach_ * (1 + 1e-9)}, facets_);
-    exec_.build_list(count(),
-                     FindNeighbours{grid_, grid_.edge(), cells_of_reach_, setup_.periods, cell_start_.data(),
-                                    in_cell_.data(), built_at_.data(), reach_, walls, facets_.view()},
-                     neighbours_);
+    exec_.build_list(
+        count(),
+        FindNeighbours{grid_, grid_.edge(reach_), cells_of_reach_, setup_.periods, cell_start_.data(),
+                       in_cell_.data(), built_at_.data(), reach_, walls, facets_.view()},
+        neighbours_);
     exec_.grow(particle_, facets_.total);
     exec_.grow(in_support_, facets_.total);
     exec_.grow(near_, facets_.total);

@@ -60,8 +60,8 @@ struct CellOfParticle {
 struct FindNeighbours {
   static constexpr bool by_warps = true;
   particles::CellGrid grid;
-  Vec3d edge;             // of a cell [m]
-  std::int32_t span = 1;  // cells that the reach spans
+  Vec3f edge;             // of a cell [reach]
+  std::int32_t span = 1;  // cells that the reach spans, 1 or 2
   particles::Periods periods;
   const std::uint32_t* cell_start = nullptr;     // of each cell in cell_particle
   const std::uint32_t* cell_particle = nullptr;  // by cell, ascending
@@ -74,12 +74,19 @@ struct FindNeighbours {
   TANDEM_HD void operator()(std::uint32_t i, Group group, Each each) const {
     const Vec3d here = x[i];
     const std::int32_t home[3] = {grid.along(here.x, 0), grid.along(here.y, 1), grid.along(here.z, 2)};
-    const std::int32_t across = 2 * span + 1;
+    const Vec3d in_cells{(here.x - grid.origin.x) * grid.inverse_cell.x,
+                         (here.y - grid.origin.y) * grid.inverse_cell.y,
+                         (here.z - grid.origin.z) * grid.inverse_cell.z};
+    const Vec3f in_home{static_cast<float>(in_cells.x - home[0]), static_cast<float>(in_cells.y - home[1]),
+                        static_cast<float>(in_cells.z - home[2])};
+    const auto across = static_cast<std::uint32_t>(2 * span + 1);
     const auto particles_of_cell = [&](std::uint32_t k) -> particles::Run {
-      const auto offset = static_cast<std::int32_t>(k);
-      std::int32_t c[3] = {home[0] + offset % across - span, home[1] + offset / across % across - span,
-                           home[2] + offset / (across * across) - span};
-      if (is_out_of_reach(here, c)) return {};
+      const std::uint32_t row = span == 2 ? k / 5 : k / 3, layer = span == 2 ? k / 25 : k / 9;
+      const std::int32_t offset[3] = {static_cast<std::int32_t>(k - row * across) - span,
+                                      static_cast<std::int32_t>(row - layer * across) - span,
+                                      static_cast<std::int32_t>(layer) - span};
+      if (is_out_of_reach(in_home, offset)) return {};
+      std::int32_t c[3] = {home[0] + offset[0], home[1] + offset[1], home[2] + offset[2]};
       particles::Image image = 0;
       if (!grid.exists<true>(c[0], 0, image) || !grid.exists<true>(c[1], 1, image) ||
           !grid.exists<true>(c[2], 2, image))
@@ -87,29 +94,29 @@ struct FindNeighbours {
       const std::uint32_t cell = grid.number(c[0], c[1], c[2]);
       return {cell_start[cell], cell_start[cell + 1], image};
     };
-    const auto cells = static_cast<std::uint32_t>(across * across * across);
-    group.for_each(cells, particles_of_cell, [&](std::uint32_t n, std::uint32_t note, bool exists) {
-      const auto image = static_cast<particles::Image>(note);
-      std::uint32_t j = i;
-      if (exists) {
-        j = cell_particle[n];
-        const Vec3d from = here - shift_of(image);
-        exists = j != i && norm2(from - x[j]) < reach * reach && !is_hidden(i, here + (x[j] - from));
-      }
-      each(Neighbour(j, image), exists);
-    });
+    group.for_each(
+        across * across * across, particles_of_cell, [&](std::uint32_t n, std::uint32_t note, bool exists) {
+          const auto image = static_cast<particles::Image>(note);
+          std::uint32_t j = i;
+          if (exists) {
+            j = cell_particle[n];
+            const Vec3d from = here - shift_of(image);
+            exists = j != i && norm2(from - x[j]) < reach * reach && !is_hidden(i, here + (x[j] - from));
+          }
+          each(Neighbour(j, image), exists);
+        });
   }
 
  private:
-  // Is every point of a cell out of reach? The cell may be beyond a periodic end.
-  TANDEM_HD bool is_out_of_reach(Vec3d from, const std::int32_t (&cell)[3]) const {
-    double distance2 = 0;
+  // Is every point of a cell out of reach of a point in the home cell [cells]? With a margin for rounding.
+  TANDEM_HD bool is_out_of_reach(Vec3f from, const std::int32_t (&offset)[3]) const {
+    float distance2 = 0;
     for (int a = 0; a < 3; ++a) {
-      const double at = (from[a] - grid.origin[a]) * grid.inverse_cell[a];
-      const double gap = std::fmax(0.0, std::fmax(cell[a] - at, at - (cell[a] + 1))) * edge[a];
+      const float low = static_cast<float>(offset[a]);
+      const float gap = edge[a] * std::fmax(0.0F, std::fmax(low - from[a], from[a] - (low + 1)));
       distance2 += gap * gap;
     }
-    return distance2 > reach * reach * (1 + 1e-9);
+    return distance2 > 1.0001F;
   }
   TANDEM_HD Vec3d shift_of(particles::Image image) const {
     Vec3d shift;

@@ -93,6 +93,7 @@ struct SumPairs {
     for (int a = 0; a < 3; ++a) sum.acceleration[a] = acceleration[a].value(of_acceleration, addends);
     sum.continuity = continuity.value(of_rate, addends);
     sum.diffusion = diffusion.value(of_rate, addends);
+    sum.burst |= addends > particles::most_addends;
     return sum;
   }
   TANDEM_HD void take(std::uint32_t i, const Sums& sum) const { result[i] = sum; }

@@ -48,7 +48,7 @@ inline constexpr std::uint32_t most_in_shared = 320;  // entries of a warp; few 
 // Finds the entries of each particle once, by a warp, and takes room for those of a block from `total`. Where
 // there is not enough room, it counts all the same.
 template <class Entry, class Find>
-__global__ void __launch_bounds__(list_warps* particles::WarpGroup::size)
+__global__ void __launch_bounds__(list_warps* particles::WarpGroup::size, 4)
     list_kernel(std::uint32_t n, Find find, std::uint32_t* start, std::uint32_t* end, Entry* entry,
                 std::uint32_t room, unsigned long long* total) {
   static_assert(std::is_trivially_copyable_v<Entry>);
@@ -60,37 +60,43 @@ __global__ void __launch_bounds__(list_warps* particles::WarpGroup::size)
                  lane = threadIdx.x % particles::WarpGroup::size;
   const std::uint32_t i = blockIdx.x * list_warps + warp;
   Entry* const found = reinterpret_cast<Entry*>(space) + warp * most_in_shared;
-  const auto list = [&](Entry* to, std::uint32_t most) {
-    std::uint32_t at = 0;
-    find(i, group, [&](Entry e, bool exists) {
-      const std::uint32_t mine = at + group.before(exists);
-      if (exists && mine < most) to[mine] = e;
-      at += group.count(exists);
-    });
-    return at;
-  };
-  const std::uint32_t count = i < n ? list(found, most_in_shared) : 0;
-  if (lane == 0) counts[warp] = count;
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    std::uint32_t of_block = 0;
-    for (const std::uint32_t c : counts) of_block += c;
-    const unsigned long long before = atomicAdd(total, static_cast<unsigned long long>(of_block));
-    fits = before + of_block <= room;
-    begin = static_cast<std::uint32_t>(before);
+  Entry* to = found;
+  std::uint32_t most = most_in_shared;
+  // Once more for particles with too many entries. The search is a loop's body, so that it is compiled once.
+#pragma unroll 1
+  for (bool again = false;; again = true) {
+    std::uint32_t count = 0;
+    if (i < n)
+      find(i, group, [&](Entry e, bool exists) {
+        const std::uint32_t mine = count + group.before(exists);
+        if (exists && mine < most) to[mine] = e;
+        count += group.count(exists);
+      });
+    if (again) return;
+    if (lane == 0) counts[warp] = count;
+    __syncthreads();
+    if (threadIdx.x == 0) {
+      std::uint32_t of_block = 0;
+      for (const std::uint32_t c : counts) of_block += c;
+      const unsigned long long before = atomicAdd(total, static_cast<unsigned long long>(of_block));
+      fits = before + of_block <= room;
+      begin = static_cast<std::uint32_t>(before);
+    }
+    __syncthreads();
+    if (i >= n || !fits) return;
+    std::uint32_t at = begin;
+    for (unsigned w = 0; w < warp; ++w) at += counts[w];
+    if (lane == 0) {
+      start[i] = at;
+      end[i] = at + count;
+    }
+    if (count <= most_in_shared) {
+      for (std::uint32_t k = lane; k < count; k += particles::WarpGroup::size) entry[at + k] = found[k];
+      return;
+    }
+    to = entry + at;
+    most = count;
   }
-  __syncthreads();
-  if (i >= n || !fits) return;
-  std::uint32_t at = begin;
-  for (unsigned w = 0; w < warp; ++w) at += counts[w];
-  if (lane == 0) {
-    start[i] = at;
-    end[i] = at + count;
-  }
-  if (count > most_in_shared)
-    list(entry + at, count);
-  else
-    for (std::uint32_t k = lane; k < count; k += particles::WarpGroup::size) entry[at + k] = found[k];
 }
 
 // The value that the thread at this distance has.
@@ -126,11 +132,15 @@ __global__ void __launch_bounds__(particles::block_threads) sum_over_lanes_kerne
 template <class Tally>
 __device__ void add_up(Tally& own, Tally* shared) {
   constexpr unsigned warp = particles::WarpGroup::size;
-  for (unsigned distance = 1; distance < warp; distance *= 2) own.add(exchanged(own, distance));
+  const auto over_warp = [](Tally& t) {
+    for (unsigned distance = 1; distance < warp; distance *= 2) t.add(exchanged(t, distance));
+  };
+  over_warp(own);
   if (threadIdx.x % warp == 0) shared[threadIdx.x / warp] = own;
   __syncthreads();
-  if (threadIdx.x == 0)
-    for (unsigned w = 1; w < blockDim.x / warp; ++w) own.add(shared[w]);
+  if (threadIdx.x >= warp) return;
+  own = threadIdx.x < blockDim.x / warp ? shared[threadIdx.x] : Tally{};
+  over_warp(own);
 }
 
 // Sums of bodies: those of few bodies are added up in the memory of a block first.
@@ -151,7 +161,7 @@ struct DeviceBodySums {
   }
 };
 
-inline constexpr unsigned reduce_threads = 128, most_reduce_blocks = 528;
+inline constexpr unsigned reduce_threads = 128, most_reduce_blocks = 528, join_threads = 512;
 inline constexpr std::uint32_t most_shared_bodies = 32;
 
 template <class Tally, class F>
@@ -181,8 +191,8 @@ __global__ void __launch_bounds__(reduce_threads)
     particles::add_global(of_body + k, shared[k].value());
 }
 template <class Tally>
-__global__ void __launch_bounds__(reduce_threads) join_kernel(unsigned blocks, Tally* of_block) {
-  __shared__ alignas(Tally) unsigned char space[reduce_threads / particles::WarpGroup::size * sizeof(Tally)];
+__global__ void __launch_bounds__(join_threads) join_kernel(unsigned blocks, Tally* of_block) {
+  __shared__ alignas(Tally) unsigned char space[join_threads / particles::WarpGroup::size * sizeof(Tally)];
   Tally own;
   for (unsigned k = threadIdx.x; k < blocks; k += blockDim.x) own.add(of_block[k]);
   add_up(own, reinterpret_cast<Tally*>(space));
@@ -282,7 +292,7 @@ class CudaExec : public particles::DeviceExec {
   }
   template <class Tally>
   void join(unsigned blocks, Tally* of_block) {
-    join_kernel<<<1, reduce_threads, 0, stream_>>>(blocks, of_block);
+    join_kernel<<<1, join_threads, 0, stream_>>>(blocks, of_block);
     particles::check_cuda(cudaGetLastError(), "starting a kernel");
   }
   template <class Tally>

@@ -86,7 +86,7 @@ TEST(NeighbourList, EndsAtASheet) {
   List<CpuExec, Neighbour> list;
   exec.build_list(n,
                   FindNeighbours{grid,
-                                 grid.edge(),
+                                 grid.edge(0.5),
                                  1,
                                  {},
                                  cell_start.data(),
