@@ -62,6 +62,9 @@ class ExactSum<double> {
 template <>
 class ExactSum<float> {
  public:
+  ExactSum() = default;
+  // Of sums of bit patterns, see add().
+  TANDEM_HD ExactSum(std::uint32_t high, std::uint32_t low) : high_(high), low_(low) {}
   TANDEM_HD void add(float x, const AddendScale<float>& scale) {
     const float high = x + scale.coarse, rest = x - (high - scale.coarse);
     high_ += std::bit_cast<std::uint32_t>(high);

@@ -49,6 +49,19 @@ struct PairSums {
 // Four lanes share the neighbours of a particle. A back end adds their sums up as (0 + 1) + (2 + 3).
 inline constexpr std::uint32_t lanes = 4;
 
+// Is a term beyond the range of the sums, or no number? factor: the acceleration divided by the distance.
+template <class Real>
+TANDEM_HD bool is_beyond(const PairTerms<Real>& t, Real factor, const PairConstants<Real>& c,
+                         const particles::AddendScale<Real>& of_acceleration,
+                         const particles::AddendScale<Real>& of_rate) {
+  using std::fabs;
+  // Without branches, which keep a compiler from evaluating several pairs at once.
+  const bool force = fabs(factor) * c.kernel.support <= static_cast<Real>(of_acceleration.bound),
+             continuity = fabs(t.continuity) <= static_cast<Real>(of_rate.bound),
+             diffusion = fabs(t.diffusion) <= static_cast<Real>(of_rate.bound);
+  return !(force & continuity & diffusion);
+}
+
 template <class Real, bool shifting>
 struct SumPairs {
   using Sums = PairSums<Real, shifting>;
@@ -82,8 +95,7 @@ struct SumPairs {
       for (int a = 0; a < 3; ++a) acceleration[a].add(force[a], of_acceleration);
       continuity.add(t.continuity, of_rate);
       diffusion.add(t.diffusion, of_rate);
-      sum.burst |= !(fabs(factor) * pair.kernel.support <= of_acceleration.bound) ||
-                   !(fabs(t.continuity) <= of_rate.bound) || !(fabs(t.diffusion) <= of_rate.bound);
+      sum.burst |= is_beyond(t, factor, pair, of_acceleration, of_rate) ? 1u : 0u;
       sum.viscous += viscous;
       sum.viscous_power += t.viscous * t.approach;
       sum.filled += other.volume * t.kernel;
@@ -98,7 +110,6 @@ struct SumPairs {
   }
   TANDEM_HD void take(std::uint32_t i, const Sums& sum) const { result[i] = sum; }
 
- private:
   TANDEM_HD Vec3<Real> apart(const particles::PositionRadius<Real>& a,
                              const particles::PositionRadius<Real>& b, particles::Image image) const {
     using Unit = particles::LengthUnit<Real>;

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "particles/backend/cpu/host_exec.hpp"
 #include "sph_server/backend/list.hpp"
 #include "sph_server/step/body_sum.hpp"
+#include "sph_server/step/pair_rows.hpp"
 
 namespace tandem::sph {
 
@@ -63,6 +65,15 @@ class CpuExec : public particles::HostExec {
       s2.add(lane_sums(sum, i, 3));
       s.add(s2);
       sum.take(i, s);
+    });
+  }
+
+  template <bool shifting>
+  void sum_over_lanes(std::uint32_t n, SumPairs<float, shifting> sum) {
+    pool_->run([&](unsigned thread) {
+      const auto rows = std::make_unique<PairRows<shifting>>();
+      const particles::Range range = share(n, thread);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) sum.take(i, rows->of(sum, i));
     });
   }
 
