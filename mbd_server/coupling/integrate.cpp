@@ -45,6 +45,7 @@ void MbdSolver::cross_break() {
   for (std::size_t k = 0; k < rates_before_.size(); ++k)
     rates_before_[k] = system.links()[prescribed_[k]].coordinate.rate;
   machine_->integrator().jump(system, predicted_, state_);
+  state_.step = 0;  // what the last step tells of the motion ends here
   system.residual(state_);
   record_jump(system.kinetic_energy() - before);
   machine_->balance.begin(state_, system);

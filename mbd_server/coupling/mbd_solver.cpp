@@ -139,7 +139,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   machine_->stiction.prepare(state_);
   machine_->touching.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
-  machine_->touching.note_start(state_);
+  machine_->touching.note_start(state_, cut(scene.coupling.window).length);
   predicted_ = state_;
   before_.resize(model.boundary.size());
   motion_.bodies.resize(model.boundary.size());
