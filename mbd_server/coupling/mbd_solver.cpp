@@ -127,6 +127,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   error_constant_ = std::abs(GeneralizedAlphaConstants(settings.rho_inf).error_constant());
   control_.reset();
   longest_step_ = step_.value_or(scene.coupling.window);
+  nominal_step_ = cut(scene.coupling.window).length;
   if (settings.error_tolerance) {
     // A step of a whole period has equal values at both of its ends, so that the error control would not
     // see the oscillation.
@@ -148,6 +149,9 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   seconds_ = cpu_seconds_ = 0;
   loaded_ = resumed_ = false;
   totals_ = {};
+  for (std::vector<double>* list : {&totals_.local_errors, &totals_.least, &totals_.most})
+    list->assign(static_cast<std::size_t>(model.freedoms), 0);
+  moved_ = local_error_ = VectorXd::Zero(model.freedoms);
   totals_.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
   totals_.energy.lost_of = totals_.energy.work_of;
   if (!model.contact.empty()) totals_.contact_impulses.assign(6 * model.boundary.size(), 0);
@@ -391,7 +395,7 @@ protocol::Report MbdSolver::report() {
       .shortened = m.method.shortened(),
       .solver_seconds = seconds_,
       .solver_cpu_seconds = cpu_seconds_,
-      .local_error_sum = sums_local_errors() ? std::optional(totals_.local_error_sum) : std::nullopt,
+      .local_error_sum = sums_local_errors() ? std::optional(local_error_sum()) : std::nullopt,
       .constraint_violation = constraint_violation(m.model, m.system),
       .start_energy = start_energy_,
       .end_energy = now,

@@ -87,6 +87,10 @@ class MbdSolver final : public protocol::MotionSolver {
   void record_end_motion();
   bool sums_local_errors() const;
   void measure_local_error(double h);
+  void record_travel();
+  VectorXd reach() const;
+  double local_error_sum() const;
+  double nominal_steps() const;
   void record_step(double h);
   void record_contacts();
   void record_jump(double energy);
@@ -104,6 +108,8 @@ class MbdSolver final : public protocol::MotionSolver {
   ErrorEstimate measure_error();
   RunEnd run_end();
   std::optional<RunEnd> run_again(double end, double steps);
+  void compare_with_longer_steps(const RunEnd& run, const State& state, double factor, double share,
+                                 ErrorEstimate& estimate);
   double energy_residual(double energy) const;
   double energy_scale() const;
 
@@ -114,6 +120,7 @@ class MbdSolver final : public protocol::MotionSolver {
   // where Newton's method fails for a whole step, the measurement ends.
   std::optional<std::uint64_t> most_iterations_;
   double longest_step_ = 0;  // [s]
+  double nominal_step_ = 0;  // in windows without breaks and contacts [s]
   double tolerance_ = 0;     // of geometric data [-]
   State state_;
   RunTotals totals_;
@@ -126,7 +133,8 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::TangentSet tangents_;
   protocol::BodiesFrame frame_;
   double error_constant_ = 0;             // of the position, of the method [-]
-  double local_error_ = 0;                // of the position, of the last step [-]
+  VectorXd local_error_;                  // of the position, of the last step (freedoms) [rad or m]
+  VectorXd moved_;                        // increment of the coordinates since the start (freedoms)
   bool loaded_ = false;                   // by particles or by a controller
   bool resumed_ = false;                  // from a file
   double start_energy_ = 0;               // [J]

@@ -191,6 +191,7 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
   }
   const double begin = state.time;
   error_of_parts_ = 0;
+  errors_of_parts_.setZero(state.u.size());
   int length = most / 2;
   for (int done = 0; done < most;) {
     const double part = h * length / most;
@@ -206,6 +207,7 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
       ++shortened_.doubtful;
     }
     *error_of_parts_ += error->position;
+    errors_of_parts_ += (std::abs(c_.error_constant()) * part * part) * dx_.cwiseAbs();
     shortened_.shortest = std::min(shortened_.shortest, part);
     done += length;
     state.time = begin + h * done / most;

@@ -89,6 +89,8 @@ class GeneralizedAlpha final : public ControlledMethod {
   void back(const ShortenedSteps& shortened) { shortened_ = shortened; }
   // Sum of the local errors of the position of the parts of the last step() [-]; none: it was taken whole.
   std::optional<double> error_of_parts() const { return error_of_parts_; }
+  // The sizes of these errors, coordinate by coordinate (freedoms) [rad or m].
+  const VectorXd& errors_of_parts() const { return errors_of_parts_; }
   const GeneralizedAlphaConstants& constants() const { return c_; }
   // Whether the last step took its algorithmic accelerations at the begin from itself.
   bool began_afresh() const { return afresh_; }
@@ -128,6 +130,7 @@ class GeneralizedAlpha final : public ControlledMethod {
   int last_iterations_ = 0;
   ShortenedSteps shortened_;
   std::optional<double> error_of_parts_;
+  VectorXd errors_of_parts_;  // (freedoms)
   // The system had no forces at an iterate of the last try_step() that failed, and why.
   bool singular_ = false;
   std::optional<Error> failure_;
