@@ -35,7 +35,7 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
   // Differences below `round_off` carry no information about the order.
   const auto error = [&](double one, double two, double round_off) -> std::optional<double> {
     if (two > round_off && !(two > expected / 2 * one && two < expected * 2 * one)) return {};
-    return one / (r2 - 1);
+    return std::max(one / (r2 - 1), two / (r2_coarser - 1));
   };
   double size = 0;
   for (const Pose& body : run.bodies) size = std::max(size, norm(body.p_WB));

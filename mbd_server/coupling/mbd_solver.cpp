@@ -201,17 +201,20 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
 }
 
 // A machine in an unstable equilibrium stays there in a simulation, and in no other place.
-void MbdSolver::warn_of_instability() const {
+void MbdSolver::warn_of_instability() {
   constexpr int most = 200;  // freedoms: the search for the modes is dense
   constexpr double real = 1e-6;
   Machine& m = *machine_;
+  unstable_start_.clear();
   if (!m.equilibrium || m.model.freedoms > most) return;
   for (const Mode& mode : find_modes(m.model, m.system, m.state).modes) {
     if (!(mode.s.real() > real * std::abs(mode.s))) continue;
     Eigen::Index widest = 0;
     mode.shape.cwiseAbs().maxCoeff(&widest);
-    log::warn("the equilibrium at the start is unstable: {} leaves it with a time constant of {:.3g} s",
-              m.model.coordinate_names[static_cast<std::size_t>(widest)], 1 / mode.s.real());
+    unstable_start_ =
+        fmt::format("the equilibrium at the start is unstable: {} leaves it with a time constant of {:.3g} s",
+                    m.model.coordinate_names[static_cast<std::size_t>(widest)], 1 / mode.s.real());
+    log::warn("{}", unstable_start_);
     return;
   }
 }
@@ -404,6 +407,8 @@ protocol::Report MbdSolver::report() {
       .degrees_of_freedom = m.degrees_of_freedom(),
       .size = m.model.size,
       .periods_per_step = longest_step_ * m.model.frequency,
+      .spread = spread_of_extrapolation(),
+      .unstable_start = unstable_start_,
       .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
       .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
       .cavitated = cavitated < 0 ? "" : m.model.elements[static_cast<std::size_t>(cavitated)].name,

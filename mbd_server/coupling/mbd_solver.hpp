@@ -78,7 +78,7 @@ class MbdSolver final : public protocol::MotionSolver {
     int count;
     double length;  // [s]
   };
-  void warn_of_instability() const;
+  void warn_of_instability();
   Steps cut(double length) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
@@ -91,6 +91,7 @@ class MbdSolver final : public protocol::MotionSolver {
   VectorXd reach() const;
   double local_error_sum() const;
   double nominal_steps() const;
+  std::string spread_of_extrapolation();
   void record_step(double h);
   void record_contacts();
   void record_jump(double energy);
@@ -119,9 +120,10 @@ class MbdSolver final : public protocol::MotionSolver {
   // While the error is measured: limit of the number of iterations of all runs together. Beyond it, or
   // where Newton's method fails for a whole step, the measurement ends.
   std::optional<std::uint64_t> most_iterations_;
-  double longest_step_ = 0;  // [s]
-  double nominal_step_ = 0;  // in windows without breaks and contacts [s]
-  double tolerance_ = 0;     // of geometric data [-]
+  double longest_step_ = 0;     // [s]
+  double nominal_step_ = 0;     // in windows without breaks and contacts [s]
+  std::string unstable_start_;  // warning of an unstable equilibrium at the start
+  double tolerance_ = 0;        // of geometric data [-]
   State state_;
   RunTotals totals_;
   SavedState saved_;                     // state and totals, for a rollback

@@ -1,6 +1,8 @@
 // The error of a run, measured by running the machine twice more with longer steps.
 #include "mbd_server/coupling/mbd_solver.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -106,6 +108,23 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
     return {};
   }
   return run_end();
+}
+
+// A warning where the two runs of an extrapolation differ so much that their errors are not of second order.
+std::string MbdSolver::spread_of_extrapolation() {
+  constexpr double much = 0.3;  // three times an error of a tenth of the way of a coordinate
+  Machine& m = *machine_;
+  if (!m.extrapolation || m.model.freedoms == 0) return {};
+  const Eigen::Index n = state_.q.size();
+  m.system.difference(state_.coarse.head(n), state_.fine.head(n), moved_);
+  Eigen::Index worst = 0;
+  const double share = moved_.cwiseQuotient(reach()).cwiseAbs().maxCoeff(&worst);
+  if (share <= much) return {};
+  return fmt::format(
+      "the two runs of the extrapolation differ by {:.2g} of how far {} moves, so that the steps do not "
+      "resolve "
+      "the motion: give mbd.integrator.step = {:.2g}",
+      share, m.model.coordinate_names[static_cast<std::size_t>(worst)], nominal_step_ / 4);
 }
 
 // Two runs, with steps that are `factor` and twice `factor` times as long, which may take that share of the

@@ -220,7 +220,8 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
 std::optional<LocalError> GeneralizedAlpha::try_step(System& system, State& state, double h) {
   state.side = state.time;
   begin_ = state;
-  if (!find(system, state, h, Trust::contracting)) {
+  if (!find(system, state, h, Trust::contracting) || system.unseen(begin_, state) > largest_unseen) {
+    dx_ = state.udot - begin_.udot;
     state = begin_;
     return {};
   }
