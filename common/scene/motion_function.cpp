@@ -80,7 +80,7 @@ void MotionFunction::resolve(double longest_step, Steps steps, Use use, double s
   const bool fixed = steps == Steps::fixed;
   FastPieces settings{.order = order, .step = longest_step, .scale = scale};
   // An error control finds the steps itself once it sees the change.
-  settings.parts = !fixed || use == Use::force ? 8 : use == Use::signal ? 16 : 64;
+  settings.parts = !fixed ? 8 : use == Use::signal ? 16 : use == Use::force ? 32 : 64;
   settings.linear_parts = fixed && use != Use::signal;
   const DividedFunction divided = divide_fast_pieces(curve_, settings);
   curve_ = divided.curve;

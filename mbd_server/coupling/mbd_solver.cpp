@@ -149,7 +149,8 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   seconds_ = cpu_seconds_ = 0;
   loaded_ = resumed_ = false;
   totals_ = {};
-  for (std::vector<double>* list : {&totals_.local_errors, &totals_.least, &totals_.most})
+  for (std::vector<double>* list :
+       {&totals_.local_errors, &totals_.short_step_errors, &totals_.least, &totals_.most})
     list->assign(static_cast<std::size_t>(model.freedoms), 0);
   moved_ = local_error_ = VectorXd::Zero(model.freedoms);
   totals_.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);

@@ -90,6 +90,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void record_travel();
   VectorXd reach() const;
   double local_error_sum() const;
+  double largest_share(const std::vector<double>& errors) const;
   double nominal_steps() const;
   std::string spread_of_extrapolation();
   void record_step(double h);
@@ -102,6 +103,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void integrate(const Window& window);
   void integrate_until(double end, double length);
   double next_stop(double end) const;
+  bool between_close_breaks() const;
   void cross_break();
   void record_window();
   void record_reactions(const std::vector<JointObservation>& joints);
@@ -138,6 +140,7 @@ class MbdSolver final : public protocol::MotionSolver {
   VectorXd local_error_;                  // of the position, of the last step (freedoms) [rad or m]
   VectorXd moved_;                        // increment of the coordinates since the start (freedoms)
   bool loaded_ = false;                   // by particles or by a controller
+  bool between_close_breaks_ = false;     // the steps that are being taken
   bool resumed_ = false;                  // from a file
   double start_energy_ = 0;               // [J]
   double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]

@@ -61,8 +61,10 @@ void MbdSolver::record_step(double h) {
   machine_->bottoming.add_step(state_, machine_->system.links(), h, totals_.tyres);
   totals_.cubed_steps += h * h * h;
   if (sums_local_errors())
-    for (std::size_t i = 0; i < totals_.local_errors.size(); ++i)
+    for (std::size_t i = 0; i < totals_.local_errors.size(); ++i) {
       totals_.local_errors[i] += local_error_[static_cast<Eigen::Index>(i)];
+      if (between_close_breaks_) totals_.short_step_errors[i] += local_error_[static_cast<Eigen::Index>(i)];
+    }
   record_travel();
   watch_energy();
   record_turn();

@@ -45,6 +45,8 @@ struct RunTotals {
   // Of each coordinate, as increments from the start: sum of the sizes of the local errors of all steps of
   // fixed length, least and largest value at the ends of steps (freedoms) [rad or m].
   std::vector<double> local_errors, least, most;
+  // The part of `local_errors` of steps between breaks of functions of time that are close to each other.
+  std::vector<double> short_step_errors;
   double largest_residual = 0,
          largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
   double cubed_steps = 0;          // sum of the cubes of the lengths of all steps [s3]
@@ -110,6 +112,7 @@ void for_each_total(AnyTotals& totals, F&& f) {
 template <class AnyTotals, class F>
 void for_each_list(AnyTotals& totals, F&& f) {
   f("local_errors", totals.local_errors);
+  f("short_step_errors", totals.short_step_errors);
   f("least", totals.least);
   f("most", totals.most);
   f("work_of", totals.energy.work_of);

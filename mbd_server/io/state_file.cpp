@@ -115,7 +115,8 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   State& state = saved.state;
   for_each_total(saved.totals,
                  [&](const std::string& name, double& value) { file.read("totals/" + name, value); });
-  for (std::vector<double>* list : {&saved.totals.local_errors, &saved.totals.least, &saved.totals.most})
+  for (std::vector<double>* list :
+       {&saved.totals.local_errors, &saved.totals.short_step_errors, &saved.totals.least, &saved.totals.most})
     list->assign(static_cast<std::size_t>(model.freedoms), 0);
   saved.totals.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
   saved.totals.energy.lost_of = saved.totals.energy.work_of;
