@@ -46,7 +46,7 @@ PiecewisePolynomial::Value PiecewisePolynomial::evaluate(std::size_t piece, doub
 }
 
 // Jumps below 1e-10 of the largest possible value of a derivative are round-off.
-void PiecewisePolynomial::find_breaks(int order, double steep) {
+void PiecewisePolynomial::find_breaks(int order, double steep, const std::vector<bool>& given) {
   breaks_.clear(), break_knots_.clear();
   std::array<double, 3> scale{};
   double least = HUGE_VAL, most = -HUGE_VAL;
@@ -73,7 +73,8 @@ void PiecewisePolynomial::find_breaks(int order, double steep) {
     const std::array<double, 3> jump{right.value - left.value, right.first - left.first,
                                      right.second - left.second};
     const auto jumps = [&](std::size_t d) { return std::abs(jump[d]) > 1e-10 * scale[d]; };
-    if (jumps(0) || (order > 0 && jumps(1)) || (order > 1 && jumps(2)) || is_steep(k) || is_steep(k + 1))
+    if ((!given.empty() && given[k]) || jumps(0) || (order > 0 && jumps(1)) || (order > 1 && jumps(2)) ||
+        is_steep(k) || is_steep(k + 1))
       breaks_.push_back(knots_[k]), break_knots_.push_back(k);
   }
 }

@@ -27,15 +27,17 @@ class PiecewisePolynomial {
   // derivative are continued by their tangents, as a steep polynomial has arbitrary values there.
   Value at(double x, double side) const { return evaluate(piece_at(x, side), x); }
 
-  // Defines breaks: the knots where a derivative of order 0 to `order` jumps, and both ends of the pieces
-  // over which the value changes by more than `steep` times the range of the values at the knots.
-  void find_breaks(int order, double steep = 1);
+  // Defines breaks: the knots where a derivative of order 0 to `order` jumps, both ends of the pieces over
+  // which the value changes by more than `steep` times the range of the values at the knots, and the knots
+  // that `given` marks, if it marks any.
+  void find_breaks(int order, double steep = 1, const std::vector<bool>& given = {});
   const std::vector<double>& breaks() const { return breaks_; }
 
   // Limits from the left and from the right at a knot.
   Value before(std::size_t knot) const { return evaluate(knot, knots_[knot]); }
   Value after(std::size_t knot) const { return evaluate(knot + 1, knots_[knot]); }
   const std::vector<double>& knots() const { return knots_; }
+  const std::vector<Piece>& pieces() const { return pieces_; }
 
   // Continuous, with the value 0 at the first knot.
   PiecewisePolynomial antiderivative() const;

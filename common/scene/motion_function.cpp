@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "common/math/fast_pieces.hpp"
 #include "common/math/interpolation.hpp"
 
 namespace tandem::scene {
@@ -72,6 +73,18 @@ MotionFunction::MotionFunction(const Motion& motion, FunctionOf what)
     : curve_(std::visit(Curve{what}, motion)) {
   if (const auto* harmonic = std::get_if<HarmonicMotion>(&motion)) harmonic_ = *harmonic;
   curve_.find_breaks(what == FunctionOf::coordinate ? 2 : 1, 0.1);
+}
+
+void MotionFunction::resolve(double longest_step, Steps steps, Use use, double scale) {
+  const int order = use == Use::coordinate ? 2 : 0;
+  const bool fixed = steps == Steps::fixed;
+  FastPieces settings{.order = order, .step = longest_step, .scale = scale};
+  // An error control finds the steps itself once it sees the change.
+  settings.parts = !fixed ? 8 : use == Use::signal ? 16 : use == Use::force ? 32 : 64;
+  settings.linear_parts = fixed && use != Use::signal;
+  const DividedFunction divided = divide_fast_pieces(curve_, settings);
+  curve_ = divided.curve;
+  curve_.find_breaks(std::max(order, 1), 0.1, divided.fast);
 }
 
 CoordinateMotion MotionFunction::at(double time) const {

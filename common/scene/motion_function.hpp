@@ -27,6 +27,15 @@ class MotionFunction {
   // than two times, or another number of values.
   explicit MotionFunction(const Motion& motion, FunctionOf what = FunctionOf::coordinate);
 
+  // Sees to it that steps of at most that length miss nothing of the function. What is faster than some
+  // steps is divided by breaks; where the steps have that length whatever happens (`fixed`), a force or the
+  // acceleration of a coordinate is replaced there by one that is linear between the breaks and has the same
+  // impulse and its first moment. A signal is a force of which the value between two breaks counts, not its
+  // impulse: it keeps its values. `scale`: change of a coordinate that counts as large.
+  enum class Steps { fixed, controlled };
+  enum class Use { force, coordinate, signal };
+  void resolve(double longest_step, Steps steps, Use use, double scale);
+
   CoordinateMotion at(double time) const;
   // Evaluation that does not step over a break: where one is between `side` and `time`, the function of
   // `side` is continued. A break at `side` counts as passed.

@@ -81,6 +81,36 @@ std::string meaning(const scene::Scene& scene, const mbd::Modes& found) {
   return text + "\n" + decays;
 }
 
+// The machine is at rest in its equilibrium, whatever the scene says of its rates.
+std::string rates_left_out(const scene::Scene& scene, const mbd::State& state) {
+  if (state.u.isZero(0)) return {};
+  std::string of;
+  for (const scene::Joint& joint : scene.mbd->joints)
+    if (of.empty() && joint.rate != 0)
+      of = ", such as " + fmt::format("{:.6g}", joint.rate) + " at joint '" + joint.name + "'";
+  return "The rates of the scene are left out" + of +
+         ": a rotor that spins has other modes. Take them with --as-given, if the machine keeps its rates.\n";
+}
+
+// Friction is left out in an equilibrium; a joint that sticks would take part in no mode.
+std::string stiction_left_out(const scene::Scene& scene) {
+  std::string names;
+  const auto add = [&](const std::string& name) {
+    names += (names.empty() ? "" : ", ") + ("'" + name + "'");
+  };
+  for (const scene::Joint& joint : scene.mbd->joints)
+    if (joint.friction && joint.friction->breakaway) add(joint.name);
+  for (const scene::Force& force : scene.mbd->forces)
+    if (const auto* motor = std::get_if<scene::Motor>(&force);
+        motor && motor->brake && motor->brake->breakaway)
+      add(motor->name);
+  if (names.empty()) return {};
+  return "Stiction of " + names +
+         " is left out: the modes are those of joints that are free to slide. For those of joints that "
+         "stick, make "
+         "them fixed.\n";
+}
+
 }  // namespace
 
 std::string machine_modes(const SceneFile& file, bool as_given) {
@@ -102,9 +132,10 @@ std::string machine_modes(const SceneFile& file, bool as_given) {
     system.residual(state);
     text = "Modes about the configuration of the scene\n";
   } else {
+    const std::string spinning = rates_left_out(scene, state);
     state.u.setZero();
     const mbd::EquilibriumReport found = mbd::find_equilibrium(model, system, state);
-    text = "Modes about the equilibrium near the configuration of the scene\n";
+    text = "Modes about the equilibrium near the configuration of the scene\n" + spinning;
     if (found.distance > 1e-9)
       text += fmt::format("largest change of a coordinate: {:.4g} rad or sizes of the machine, at {}\n",
                           found.distance, found.moved);
@@ -112,6 +143,7 @@ std::string machine_modes(const SceneFile& file, bool as_given) {
       text += fmt::format("largest change of a state, relative to its scale: {:.4g}, at the {}\n",
                           found.state_change, found.changed_state);
   }
+  text += stiction_left_out(scene);
   for (const mbd::Element& e : model.elements)
     if (const auto* oil = std::get_if<mbd::Hydraulics>(&e.law)) {
       const double lowest = std::min(state.z[e.state], state.z[e.state + 1]);

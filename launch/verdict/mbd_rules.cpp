@@ -188,22 +188,24 @@ void add_mbd_rules(std::vector<Rule>& table) {
          return fmt::format("{:.0f} steps of the multibody part may have ended at a wrong root (limit 0): {}",
                             f.value, finer_step(run.scene, 0.01));
        }});
-  table.push_back({"position_error", "mbd_position_error_estimate", 0.01,
-                   "estimated error of positions due to the step, relative to the size of the machine: 1 % "
-                   "shows in a plot",
-                   "a shorter step or a smaller error tolerance", nullptr,
-                   [](const RunFigures& run) { return of_run(value_of(run.facts.mbd.position_error)); },
-                   [](const RunFigures& run, const Figure& f, double limit) {
-                     return fmt::format(
-                         "positions are off by some {:.2g} of the machine's size at the end (estimate, limit "
-                         "{:.2g}): {}",
-                         f.value, limit, finer_step(run.scene, limit / f.value));
-                   }});
+  table.push_back(
+      {"position_error", "mbd_position_error_estimate", 0.01,
+       "estimated error of positions due to the step, relative to the size of the machine, and of "
+       "joint coordinates, relative to how far they move: 1 % shows in a plot",
+       "a shorter step or a smaller error tolerance", nullptr,
+       [](const RunFigures& run) { return of_run(value_of(run.facts.mbd.position_error)); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         return fmt::format(
+             "positions are off by some {:.2g} of the machine's size, or of how far a joint moves, at "
+             "the end (estimate, limit {:.2g}): {}",
+             f.value, limit, finer_step(run.scene, limit / f.value));
+       }});
   table.push_back(
       {"local_errors", "mbd_local_error_sum", 0.01,
-       "applies where `mbd_position_error_estimate` is not a number: sum of the magnitudes of the position "
-       "errors of all steps; the true error is up to six times as large, in a chaotic motion more, and often "
-       "smaller",
+       "applies where `mbd_position_error_estimate` is not a number: largest sum of the magnitudes of the "
+       "errors of a joint coordinate in all steps, relative to how far it moves; the true error is this "
+       "times "
+       "the growth of small errors, in a chaotic motion much more, and often smaller",
        "a shorter step, a smaller error tolerance, or `--estimate richardson`", nullptr,
        [](const RunFigures& run) -> Figures {
          if (value_of(run.facts.mbd.position_error)) return std::nullopt;
@@ -214,8 +216,8 @@ void add_mbd_rules(std::vector<Rule>& table) {
              run.facts.mbd.position_error ? run.facts.mbd.position_error->reason : "not estimated";
          why = why.substr(0, why.find(';'));
          return fmt::format(
-             "the error of positions is {}; what the steps leave out adds up to {:.2g} of the machine's "
-             "size (limit {:.2g}): {}, or measure the error with tandem run --estimate richardson",
+             "the error of positions is {}; what the steps leave out adds up to {:.2g} of how far a "
+             "joint moves (limit {:.2g}): {}, or measure the error with tandem run --estimate richardson",
              why, f.value, limit, finer_step(run.scene, limit / f.value));
        }});
   table.push_back(

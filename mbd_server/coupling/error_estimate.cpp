@@ -10,7 +10,7 @@ namespace tandem::mbd {
 namespace {
 
 struct Difference {
-  double position = 0, rotation = 0, energy = 0;
+  double position = 0, rotation = 0, energy = 0, motion = 0;
 };
 
 Difference operator-(const RunEnd& a, const RunEnd& b) {
@@ -20,44 +20,60 @@ Difference operator-(const RunEnd& a, const RunEnd& b) {
     d.rotation = std::max(d.rotation, norm(rotation_vector(a.bodies[k].q_WB * b.bodies[k].q_WB.conjugate())));
   }
   d.energy = std::abs(a.energy - b.energy);
+  d.motion = std::abs(a.motion - b.motion);
   return d;
 }
 
 }  // namespace
 
-double steps_for_estimate(double steps) {
-  return std::floor(steps / 13 / 1.5);
-}
-
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser) {
-  const double r = run.steps / coarse.steps, r2 = run.steps / coarser.steps;
-  const double expected = (r2 * r2 - 1) / (r * r - 1);
+  // Squares of the ratios of the steps. Steps that end at breaks are as long in all runs.
+  const double r2 = coarse.cubed_steps / run.cubed_steps, r2_coarser = coarser.cubed_steps / run.cubed_steps;
+  if (!(r2 > 2 && r2_coarser > 1.5 * r2)) return {.reason = "most steps end at breaks of functions of time"};
+  const double expected = (r2_coarser - 1) / (r2 - 1);
   const Difference d = coarse - run, d2 = coarser - run;
   // Differences below `round_off` carry no information about the order.
   const auto error = [&](double one, double two, double round_off) -> std::optional<double> {
     if (two > round_off && !(two > expected / 2 * one && two < expected * 2 * one)) return {};
-    return one / (r * r - 1);
+    return std::max(one / (r2 - 1), two / (r2_coarser - 1));
   };
   double size = 0;
   for (const Pose& body : run.bodies) size = std::max(size, norm(body.p_WB));
-  ErrorEstimate e{error(d.position, d2.position, 1e-10 * size), error(d.rotation, d2.rotation, 1e-10),
-                  error(d.energy, d2.energy, 1e-10 * std::abs(run.energy)), ""};
-  if (!e.position || !e.rotation || !e.energy) e.reason = unresolved;
+  ErrorEstimate e{.position = error(d.position, d2.position, 1e-10 * size),
+                  .rotation = error(d.rotation, d2.rotation, 1e-10),
+                  .motion = error(d.motion, d2.motion, 1e-6),
+                  .energy = error(d.energy, d2.energy, 1e-10 * std::abs(run.energy))};
+  if (!e.position || !e.rotation || !e.motion || !e.energy) e.reason = unresolved;
   return e;
+}
+
+// An error that is that of all steps together, times the growth of small errors. Where it has grown beyond
+// `chaotic`, the difference says nothing of the run with shorter steps.
+void complete_estimate(const RunEnd& run, const RunEnd& coarse, double local_errors,
+                       ErrorEstimate& estimate) {
+  constexpr double chaotic = 100;
+  const double r2 = coarse.cubed_steps / run.cubed_steps;
+  const Difference d = coarse - run;
+  if (!(r2 > 2 && d.motion < chaotic * (r2 - 1) * local_errors)) return;
+  const auto complete = [&](std::optional<double>& figure, double difference) {
+    if (!figure) figure = difference / (r2 - 1);
+  };
+  complete(estimate.position, d.position);
+  complete(estimate.rotation, d.rotation);
+  complete(estimate.motion, d.motion);
+  complete(estimate.energy, d.energy);
+  estimate.reason.clear();
 }
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved) {
   const double s = halved ? 2 : fine.steps / run.steps;
   if (s < 1.5)
     return {
-        {},
-        {},
-        {},
-        fmt::format(
+        .reason = fmt::format(
             "the run with shorter steps took only {:.2g} times as many steps; give mbd.integrator.step", s)};
   const Difference d = run - fine;
   const double factor = s * s / (s * s - 1);
-  return {factor * d.position, factor * d.rotation, factor * d.energy, ""};
+  return {.position = factor * d.position, .rotation = factor * d.rotation, .energy = factor * d.energy};
 }
 
 void add_error_facts(const ErrorEstimate& error, protocol::MbdFacts& facts, nlohmann::ordered_json& others) {
@@ -67,10 +83,12 @@ void add_error_facts(const ErrorEstimate& error, protocol::MbdFacts& facts, nloh
   const auto as_json = [&](const std::optional<double>& figure) {
     return figure ? nlohmann::ordered_json(*figure) : nlohmann::ordered_json(or_reason(figure).reason);
   };
-  // The larger of both errors, where the error of the position is relative to the size of the machine.
+  // The largest of three: relative to the size of the machine, in rad, and of a coordinate relative to how
+  // far it has moved.
   std::optional<double> relative;
   if (error.position && error.rotation)
-    relative = std::max(*error.position / facts.size.value(), *error.rotation);
+    relative = std::max({*error.position / facts.size.value(), *error.rotation, error.motion.value_or(0)});
+  if (error.reason.find(unresolved) == 0 && !error.motion) relative.reset();
   others["mbd_position_error_estimate_m"] = as_json(error.position);
   facts.position_error = or_reason(relative);
   others["mbd_rotation_error_estimate_rad"] = as_json(error.rotation);

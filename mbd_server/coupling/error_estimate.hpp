@@ -19,10 +19,12 @@ namespace tandem::mbd {
 struct ErrorEstimate {
   // The largest values over all bodies: distance of the centre of mass from its exact position, and angle
   // from the exact orientation.
-  std::optional<double> position, rotation;  // [m], [rad]
-  std::optional<double> energy;              // [J]
-  std::string reason;                        // why one of them is absent
-  double steps = 0, cpu_seconds = 0;         // cost of the two further runs
+  std::optional<double> position{}, rotation{};  // [m], [rad]
+  // The largest error of a coordinate, relative to how far it has moved in the run.
+  std::optional<double> motion{};     // [-]
+  std::optional<double> energy{};     // [J]
+  std::string reason{};               // why one of them is absent
+  double steps = 0, cpu_seconds = 0;  // cost of the two further runs
 };
 
 inline constexpr const char* unresolved =
@@ -33,14 +35,18 @@ struct RunEnd {
   std::vector<Pose> bodies;
   double energy = 0;  // [J]
   double steps = 0;   // taken
+  // The error of a method of second order grows with the sum of the cubes of its steps [s3].
+  double cubed_steps = 0;
+  // Largest difference of a coordinate from the run that is judged, relative to how far it has moved [-].
+  double motion = 0;
 };
 
-// Number of steps of the first of the two further runs; the second has half as many. Together they have a
-// thirteenth of the steps of the run. Longer steps take more Newton iterations, so that their share of the
-// processor time is up to a tenth.
-double steps_for_estimate(double steps);
-
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser);
+
+// The same where these runs are not in the asymptotic range, but with steps that are only twice and four
+// times as long: the difference of the first one counts as if it were, unless small errors grow too much.
+// `local_errors`: sum of the local errors of the run, relative as RunEnd::motion.
+void complete_estimate(const RunEnd& run, const RunEnd& coarse, double local_errors, ErrorEstimate& estimate);
 
 // Estimate from one run with steps that are s times shorter: (y(h) - y(h / s)) s^2 / (s^2 - 1). Where the
 // steps are `halved`, this is four thirds of the difference, as the numbers of steps do not give s more

@@ -64,11 +64,13 @@ namespace {
 
 std::vector<std::string> run_warnings(const RunFigures& f) {
   std::vector<std::string> list;
+  if (!f.spread.empty()) list.push_back(f.spread);
+  if (!f.unstable_start.empty()) list.push_back(f.unstable_start);
   const ShortenedSteps& s = f.shortened;
   if (s.count > 0)
     list.push_back(
         fmt::format("{} steps of the multibody part were taken in parts, because Newton's method found no "
-                    "root that can be trusted: "
+                    "root that can be trusted, or a force over a coordinate changed within them: "
                     "first at t = {:.6g} s, at {}; the shortest part took {:.3g} s; give mbd.integrator.step "
                     "= {:.2g}, or "
                     "mbd.integrator.error_tolerance",

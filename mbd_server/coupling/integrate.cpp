@@ -29,6 +29,14 @@ double MbdSolver::next_stop(double end) const {
   return next != breaks.end() && *next < end - time_resolution(end) ? *next : end;
 }
 
+// Whether breaks are so close here that steps twice and four times as long would end at them as well.
+bool MbdSolver::between_close_breaks() const {
+  const std::vector<double>& breaks = machine_->model.breaks;
+  const auto next =
+      std::upper_bound(breaks.begin(), breaks.end(), state_.time + time_resolution(state_.time));
+  return next != breaks.begin() && next != breaks.end() && *next - *(next - 1) < 4 * nominal_step_;
+}
+
 // Forces and prescribed rates jump where the present time is a break.
 void MbdSolver::cross_break() {
   const std::vector<double>& breaks = machine_->model.breaks;
@@ -45,6 +53,7 @@ void MbdSolver::cross_break() {
   for (std::size_t k = 0; k < rates_before_.size(); ++k)
     rates_before_[k] = system.links()[prescribed_[k]].coordinate.rate;
   machine_->integrator().jump(system, predicted_, state_);
+  state_.step = 0;  // what the last step tells of the motion ends here
   system.residual(state_);
   record_jump(system.kinetic_energy() - before);
   machine_->balance.begin(state_, system);
@@ -57,6 +66,7 @@ void MbdSolver::cross_break() {
 void MbdSolver::integrate_until(double end, double length) {
   Machine& m = *machine_;
   const Steps steps = cut(length);
+  between_close_breaks_ = between_close_breaks();
   const auto one_step = [&](double h) {
     if (control_) return control_->step(m.controlled(), m.system, state_, std::min(state_.time + h, end));
     if (!most_iterations_)

@@ -127,6 +127,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   error_constant_ = std::abs(GeneralizedAlphaConstants(settings.rho_inf).error_constant());
   control_.reset();
   longest_step_ = step_.value_or(scene.coupling.window);
+  nominal_step_ = cut(scene.coupling.window).length;
   if (settings.error_tolerance) {
     // A step of a whole period has equal values at both of its ends, so that the error control would not
     // see the oscillation.
@@ -139,7 +140,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   machine_->stiction.prepare(state_);
   machine_->touching.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
-  machine_->touching.note_start(state_);
+  machine_->touching.note_start(state_, cut(scene.coupling.window).length);
   predicted_ = state_;
   before_.resize(model.boundary.size());
   motion_.bodies.resize(model.boundary.size());
@@ -148,6 +149,10 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   seconds_ = cpu_seconds_ = 0;
   loaded_ = resumed_ = false;
   totals_ = {};
+  for (std::vector<double>* list :
+       {&totals_.local_errors, &totals_.short_step_errors, &totals_.least, &totals_.most})
+    list->assign(static_cast<std::size_t>(model.freedoms), 0);
+  moved_ = local_error_ = VectorXd::Zero(model.freedoms);
   totals_.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
   totals_.energy.lost_of = totals_.energy.work_of;
   if (!model.contact.empty()) totals_.contact_impulses.assign(6 * model.boundary.size(), 0);
@@ -197,17 +202,20 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
 }
 
 // A machine in an unstable equilibrium stays there in a simulation, and in no other place.
-void MbdSolver::warn_of_instability() const {
+void MbdSolver::warn_of_instability() {
   constexpr int most = 200;  // freedoms: the search for the modes is dense
   constexpr double real = 1e-6;
   Machine& m = *machine_;
+  unstable_start_.clear();
   if (!m.equilibrium || m.model.freedoms > most) return;
   for (const Mode& mode : find_modes(m.model, m.system, m.state).modes) {
     if (!(mode.s.real() > real * std::abs(mode.s))) continue;
     Eigen::Index widest = 0;
     mode.shape.cwiseAbs().maxCoeff(&widest);
-    log::warn("the equilibrium at the start is unstable: {} leaves it with a time constant of {:.3g} s",
-              m.model.coordinate_names[static_cast<std::size_t>(widest)], 1 / mode.s.real());
+    unstable_start_ =
+        fmt::format("the equilibrium at the start is unstable: {} leaves it with a time constant of {:.3g} s",
+                    m.model.coordinate_names[static_cast<std::size_t>(widest)], 1 / mode.s.real());
+    log::warn("{}", unstable_start_);
     return;
   }
 }
@@ -391,7 +399,7 @@ protocol::Report MbdSolver::report() {
       .shortened = m.method.shortened(),
       .solver_seconds = seconds_,
       .solver_cpu_seconds = cpu_seconds_,
-      .local_error_sum = sums_local_errors() ? std::optional(totals_.local_error_sum) : std::nullopt,
+      .local_error_sum = sums_local_errors() ? std::optional(local_error_sum()) : std::nullopt,
       .constraint_violation = constraint_violation(m.model, m.system),
       .start_energy = start_energy_,
       .end_energy = now,
@@ -400,6 +408,8 @@ protocol::Report MbdSolver::report() {
       .degrees_of_freedom = m.degrees_of_freedom(),
       .size = m.model.size,
       .periods_per_step = longest_step_ * m.model.frequency,
+      .spread = spread_of_extrapolation(),
+      .unstable_start = unstable_start_,
       .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
       .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
       .cavitated = cavitated < 0 ? "" : m.model.elements[static_cast<std::size_t>(cavitated)].name,

@@ -78,7 +78,7 @@ class MbdSolver final : public protocol::MotionSolver {
     int count;
     double length;  // [s]
   };
-  void warn_of_instability() const;
+  void warn_of_instability();
   Steps cut(double length) const;
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
@@ -87,6 +87,12 @@ class MbdSolver final : public protocol::MotionSolver {
   void record_end_motion();
   bool sums_local_errors() const;
   void measure_local_error(double h);
+  void record_travel();
+  VectorXd reach() const;
+  double local_error_sum() const;
+  double largest_share(const std::vector<double>& errors) const;
+  double nominal_steps() const;
+  std::string spread_of_extrapolation();
   void record_step(double h);
   void record_contacts();
   void record_jump(double energy);
@@ -97,6 +103,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void integrate(const Window& window);
   void integrate_until(double end, double length);
   double next_stop(double end) const;
+  bool between_close_breaks() const;
   void cross_break();
   void record_window();
   void record_reactions(const std::vector<JointObservation>& joints);
@@ -104,6 +111,8 @@ class MbdSolver final : public protocol::MotionSolver {
   ErrorEstimate measure_error();
   RunEnd run_end();
   std::optional<RunEnd> run_again(double end, double steps);
+  void compare_with_longer_steps(const RunEnd& run, const State& state, double factor, double share,
+                                 ErrorEstimate& estimate);
   double energy_residual(double energy) const;
   double energy_scale() const;
 
@@ -113,8 +122,10 @@ class MbdSolver final : public protocol::MotionSolver {
   // While the error is measured: limit of the number of iterations of all runs together. Beyond it, or
   // where Newton's method fails for a whole step, the measurement ends.
   std::optional<std::uint64_t> most_iterations_;
-  double longest_step_ = 0;  // [s]
-  double tolerance_ = 0;     // of geometric data [-]
+  double longest_step_ = 0;     // [s]
+  double nominal_step_ = 0;     // in windows without breaks and contacts [s]
+  std::string unstable_start_;  // warning of an unstable equilibrium at the start
+  double tolerance_ = 0;        // of geometric data [-]
   State state_;
   RunTotals totals_;
   SavedState saved_;                     // state and totals, for a rollback
@@ -126,8 +137,10 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::TangentSet tangents_;
   protocol::BodiesFrame frame_;
   double error_constant_ = 0;             // of the position, of the method [-]
-  double local_error_ = 0;                // of the position, of the last step [-]
+  VectorXd local_error_;                  // of the position, of the last step (freedoms) [rad or m]
+  VectorXd moved_;                        // increment of the coordinates since the start (freedoms)
   bool loaded_ = false;                   // by particles or by a controller
+  bool between_close_breaks_ = false;     // the steps that are being taken
   bool resumed_ = false;                  // from a file
   double start_energy_ = 0;               // [J]
   double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]

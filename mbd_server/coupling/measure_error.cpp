@@ -1,6 +1,9 @@
 // The error of a run, measured by running the machine twice more with longer steps.
 #include "mbd_server/coupling/mbd_solver.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "common/cpu_time.hpp"
@@ -10,6 +13,10 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* where_to_go = "; tandem run --estimate richardson measures it";
+constexpr double fewest_steps = 16;  // of a run whose error can be measured
+// Coordinates that move by less than this share of their scale, or by less than that share of what the one
+// that moves most does, are judged as if they moved by it.
+constexpr double least_motion = 1e-4, least_share = 0.01;
 
 }  // namespace
 
@@ -24,8 +31,51 @@ std::string MbdSolver::obstacle_to_estimate() const {
   if (machine_->stiction.counters().stuck + machine_->stiction.counters().broken_away > 0)
     return "joints stick and slide";
   if (machine_->method.shortened().count > 0) return "steps were taken in parts";
-  if (steps_for_estimate(static_cast<double>(state_.steps)) < 10) return "there are too few steps";
+  if (nominal_steps() < fewest_steps) return "there are too few steps";
   return {};
+}
+
+// The longest steps that the run was to take.
+double MbdSolver::nominal_steps() const {
+  return std::min(state_.time / nominal_step_, static_cast<double>(state_.steps));
+}
+
+void MbdSolver::record_travel() {
+  machine_->system.difference(machine_->state.q, state_.q, moved_);
+  for (std::size_t i = 0; i < totals_.least.size(); ++i) {
+    const double x = moved_[static_cast<Eigen::Index>(i)];
+    totals_.least[i] = std::min(totals_.least[i], x);
+    totals_.most[i] = std::max(totals_.most[i], x);
+  }
+}
+
+// How far each coordinate has moved, the three of a ball joint or of a translation together; not more than
+// its scale, 1 rad or the size of the machine. An error of a coordinate is judged against this.
+VectorXd MbdSolver::reach() const {
+  const Model& model = machine_->model;
+  VectorXd reach(model.freedoms);
+  for (const Link& link : model.links) {
+    if (link.u == none) continue;
+    double most = 0;
+    for (int k = link.u; k < link.u + freedoms(link.kind); ++k)
+      most = std::max(most,
+                      totals_.most[static_cast<std::size_t>(k)] - totals_.least[static_cast<std::size_t>(k)]);
+    const double scale = model.scale[link.u];
+    reach.segment(link.u, freedoms(link.kind)).setConstant(std::clamp(most, least_motion * scale, scale));
+  }
+  if (reach.size() == 0) return reach;
+  const double largest = reach.cwiseQuotient(model.scale).maxCoeff();
+  return reach.cwiseMax(least_share * largest * model.scale);
+}
+
+// Sums of local errors, relative to the reach of their coordinates: the largest.
+double MbdSolver::largest_share(const std::vector<double>& errors) const {
+  if (errors.empty()) return 0;
+  return Eigen::Map<const VectorXd>(errors.data(), moved_.size()).cwiseQuotient(reach()).maxCoeff();
+}
+
+double MbdSolver::local_error_sum() const {
+  return largest_share(totals_.local_errors);
 }
 
 RunEnd MbdSolver::run_end() {
@@ -36,6 +86,7 @@ RunEnd MbdSolver::run_end() {
     end.bodies.push_back(observe_body(m.model, m.system.links(), b).pose);
   end.energy = energy(m.model, state_, m.system.links());
   end.steps = static_cast<double>(state_.steps);
+  end.cubed_steps = totals_.cubed_steps;
   return end;
 }
 
@@ -46,6 +97,7 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   const Window window{0, {}, to_nanoseconds(end)};
   step_ = end / steps;
   state_ = m.state;
+  totals_.cubed_steps = 0;
   m.contacts.prepare(state_);
   m.stiction.prepare(state_);
   try {
@@ -61,38 +113,70 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   return run_end();
 }
 
-ErrorEstimate MbdSolver::measure_error() {
-  if (const std::string obstacle = obstacle_to_estimate(); !obstacle.empty())
-    return {{}, {}, {}, obstacle + where_to_go};
-  const RunEnd run = run_end();
-  const State state = state_;
+// A warning where the two runs of an extrapolation differ so much that their errors are not of second order.
+std::string MbdSolver::spread_of_extrapolation() {
+  constexpr double much = 0.3;  // three times an error of a tenth of the way of a coordinate
+  Machine& m = *machine_;
+  if (!m.extrapolation || m.model.freedoms == 0) return {};
+  const Eigen::Index n = state_.q.size();
+  m.system.difference(state_.coarse.head(n), state_.fine.head(n), moved_);
+  Eigen::Index worst = 0;
+  const double share = moved_.cwiseQuotient(reach()).cwiseAbs().maxCoeff(&worst);
+  if (share <= much) return {};
+  return fmt::format(
+      "the two runs of the extrapolation differ by {:.2g} of how far {} moves, so that the steps do not "
+      "resolve "
+      "the motion: give mbd.integrator.step = {:.2g}",
+      share, m.model.coordinate_names[static_cast<std::size_t>(worst)], nominal_step_ / 4);
+}
+
+// Two runs, with steps that are `factor` and twice `factor` times as long, which may take that share of the
+// iterations of the run.
+void MbdSolver::compare_with_longer_steps(const RunEnd& run, const State& state, double factor, double share,
+                                          ErrorEstimate& estimate) {
   const RunTotals totals = totals_;
   const GeneralizedAlpha method = machine_->method;
   const std::optional<double> step = step_;
-  const std::uint64_t iterations = method.counters().newton_iterations;
-  most_iterations_ = iterations + iterations * 3 / 20;
-  const double steps = steps_for_estimate(run.steps), cpu_begin = cpu_seconds(CpuClock::thread);
-  // The errors of these runs are at least (run.steps / steps)^2 times as large as those of the run.
-  machine_->method.loosen(run.steps * run.steps / (steps * steps));
-  const std::optional<RunEnd> coarse = run_again(state.time, steps);
-  double taken = static_cast<double>(state_.steps);
-  std::optional<RunEnd> coarser;
-  if (coarse) {
-    coarser = run_again(state.time, steps / 2);
-    taken += static_cast<double>(state_.steps);
+  const auto iterations = static_cast<double>(method.counters().newton_iterations);
+  const double steps = nominal_steps() / factor;
+  const VectorXd reach = this->reach();
+  most_iterations_ = static_cast<std::uint64_t>(iterations * (1 + share));
+  // The errors of these runs are at least factor^2 times as large as those of the run.
+  machine_->method.loosen(factor * factor);
+  std::optional<RunEnd> ends[2];
+  for (int k = 0; k < 2; ++k) {
+    ends[k] = run_again(state.time, steps / (k + 1));
+    estimate.steps += static_cast<double>(state_.steps);
+    if (!ends[k]) break;
+    machine_->system.difference(state.q, state_.q, moved_);
+    if (moved_.size() > 0) ends[k]->motion = moved_.cwiseQuotient(reach).cwiseAbs().maxCoeff();
   }
   state_ = state;
   totals_ = totals;
   step_ = step;
   most_iterations_.reset();
   machine_->method = method;
-  ErrorEstimate estimate;
-  if (coarser)
-    estimate = estimate_error(run, *coarse, *coarser);
-  else
-    estimate.reason = unresolved;
+  const double spent = estimate.steps;
+  estimate = ends[1] ? estimate_error(run, *ends[0], *ends[1]) : ErrorEstimate{.reason = unresolved};
+  if (estimate.reason == unresolved && ends[0] && factor <= 2)
+    complete_estimate(run, *ends[0], local_error_sum(), estimate);
+  estimate.steps = spent;
+}
+
+// The further runs are short; where their steps do not resolve the motion, two longer ones follow.
+ErrorEstimate MbdSolver::measure_error() {
+  if (const std::string obstacle = obstacle_to_estimate(); !obstacle.empty())
+    return {.reason = obstacle + where_to_go};
+  const RunEnd run = run_end();
+  const State state = state_;
+  const double cpu_begin = cpu_seconds(CpuClock::thread);
+  ErrorEstimate estimate{.reason = unresolved};
+  constexpr double far = 19.5, near = 2;
+  if (nominal_steps() >= 10 * far) compare_with_longer_steps(run, state, far, 0.15, estimate);
+  if (!estimate.reason.empty()) compare_with_longer_steps(run, state, near, 1, estimate);
+  // Steps between close breaks are as long in the further runs, which do not show their errors.
+  if (estimate.motion) *estimate.motion += largest_share(totals_.short_step_errors);
   if (!estimate.reason.empty()) estimate.reason += where_to_go;
-  estimate.steps = taken;
   estimate.cpu_seconds = cpu_seconds(CpuClock::thread) - cpu_begin;
   const Model& model = machine_->model;
   // Where energy is only stored, the residual of the balance is an error.

@@ -59,7 +59,13 @@ void MbdSolver::record_step(double h) {
       [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
   if (!machine_->model.contact.empty()) record_contacts();
   machine_->bottoming.add_step(state_, machine_->system.links(), h, totals_.tyres);
-  if (sums_local_errors()) totals_.local_error_sum += local_error_;
+  totals_.cubed_steps += h * h * h;
+  if (sums_local_errors())
+    for (std::size_t i = 0; i < totals_.local_errors.size(); ++i) {
+      totals_.local_errors[i] += local_error_[static_cast<Eigen::Index>(i)];
+      if (between_close_breaks_) totals_.short_step_errors[i] += local_error_[static_cast<Eigen::Index>(i)];
+    }
+  record_travel();
   watch_energy();
   record_turn();
   if (state_.z.size() > 0) record_cavitation(h);
@@ -147,8 +153,11 @@ bool MbdSolver::sums_local_errors() const {
 // parts, that rate is only of the last part.
 void MbdSolver::measure_local_error(double h) {
   if (!sums_local_errors()) return;
-  const std::optional<double> of_parts = machine_->method.error_of_parts();
-  local_error_ = of_parts ? *of_parts : error_constant_ * h * h * h * machine_->system.norm(state_.udot_rate);
+  const GeneralizedAlpha& method = machine_->method;
+  if (method.error_of_parts())
+    local_error_ = method.errors_of_parts();
+  else
+    local_error_ = (error_constant_ * h * h * h) * state_.udot_rate.cwiseAbs();
 }
 
 double MbdSolver::energy_residual(double energy) const {

@@ -42,11 +42,15 @@ struct TyreTotals {
 
 struct RunTotals {
   EnergySums energy;
+  // Of each coordinate, as increments from the start: sum of the sizes of the local errors of all steps of
+  // fixed length, least and largest value at the ends of steps (freedoms) [rad or m].
+  std::vector<double> local_errors, least, most;
+  // The part of `local_errors` of steps between breaks of functions of time that are close to each other.
+  std::vector<double> short_step_errors;
   double largest_residual = 0,
          largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
-  // Sum of the local errors of the position of all steps of fixed length, in the weighted norm [-].
-  double local_error_sum = 0;
-  double largest_violation = 0;  // of the constraints at the end of a window [-]
+  double cubed_steps = 0;          // sum of the cubes of the lengths of all steps [s3]
+  double largest_violation = 0;    // of the constraints at the end of a window [-]
   // Largest curvature of the motion at the end of a step near a singular position of a loop [1/rad], [s].
   double sharpest_turn = 0, sharpest_turn_at = 0;
   double sharpest_turn_closure = -1;  // index in the model; -1: none
@@ -81,7 +85,7 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("largest_kinetic", totals.energy.largest_kinetic);
   f("largest_residual", totals.largest_residual);
   f("largest_residual_at", totals.largest_residual_at);
-  f("local_error_sum", totals.local_error_sum);
+  f("cubed_steps", totals.cubed_steps);
   f("largest_violation", totals.largest_violation);
   f("sharpest_turn", totals.sharpest_turn);
   f("sharpest_turn_at", totals.sharpest_turn_at);
@@ -103,9 +107,14 @@ void for_each_total(AnyTotals& totals, F&& f) {
   f("contact_depth_b", totals.contact_depth_b);
 }
 
-// Calls f(name, values) for the shares of the elements, the impulses of contacts, and the tyres.
+// Calls f(name, values) for the coordinates, the shares of the elements, the impulses of contacts, and the
+// tyres.
 template <class AnyTotals, class F>
 void for_each_list(AnyTotals& totals, F&& f) {
+  f("local_errors", totals.local_errors);
+  f("short_step_errors", totals.short_step_errors);
+  f("least", totals.least);
+  f("most", totals.most);
   f("work_of", totals.energy.work_of);
   f("lost_of", totals.energy.lost_of);
   f("contact_impulses", totals.contact_impulses);

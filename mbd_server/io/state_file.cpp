@@ -15,7 +15,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 11;
+constexpr std::uint64_t version = 12;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -115,6 +115,9 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   State& state = saved.state;
   for_each_total(saved.totals,
                  [&](const std::string& name, double& value) { file.read("totals/" + name, value); });
+  for (std::vector<double>* list :
+       {&saved.totals.local_errors, &saved.totals.short_step_errors, &saved.totals.least, &saved.totals.most})
+    list->assign(static_cast<std::size_t>(model.freedoms), 0);
   saved.totals.energy.work_of.assign(static_cast<std::size_t>(model.accounts), 0);
   saved.totals.energy.lost_of = saved.totals.energy.work_of;
   if (!model.contact.empty()) saved.totals.contact_impulses.assign(6 * model.boundary.size(), 0);

@@ -1,6 +1,7 @@
 #include "mbd_server/model/periodic_curve.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/math/interpolation.hpp"
 
@@ -10,6 +11,7 @@ namespace tandem::mbd {
 // spline falls by 0.27 from knot to knot.
 PeriodicCurve::PeriodicCurve(const std::vector<double>& arguments, const std::vector<double>& values,
                              const std::optional<double>& period, Smoothness smoothness) {
+  range_ = *std::max_element(values.begin(), values.end()) - *std::min_element(values.begin(), values.end());
   std::vector<double> x = arguments, y = values;
   if (period) {
     constexpr int knots_beyond = 40;
@@ -28,6 +30,22 @@ PeriodicCurve::PeriodicCurve(const std::vector<double>& arguments, const std::ve
   for (std::size_t k = 0; k + 1 < x.size(); ++k)
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0})
       largest_slope_ = std::max(largest_slope_, std::abs(curve_.at(x[k] + share * (x[k + 1] - x[k])).first));
+}
+
+// Over more than a period a motion sees nothing of the curve.
+double PeriodicCurve::unseen(double x0, double x1) const {
+  if (range_ == 0 || !(x0 != x1)) return 0;
+  if (x1 < x0) std::swap(x0, x1);
+  if (period_ > 0 && x1 - x0 > period_) return 1;
+  const double shift = period_ > 0 ? std::floor((x0 - begin_) / period_) * period_ : 0;
+  const std::vector<double>& knots = curve_.knots();
+  auto knot = std::upper_bound(knots.begin(), knots.end(), x0 - shift);
+  if (knot == knots.end() || *knot + shift >= x1) return 0;
+  const double y0 = at(x0).value, slope = (at(x1).value - y0) / (x1 - x0);
+  double most = 0;
+  for (; knot != knots.end() && *knot + shift < x1; ++knot)
+    most = std::max(most, std::abs(at(*knot + shift).value - y0 - slope * (*knot + shift - x0)));
+  return most / range_;
 }
 
 PeriodicCurve::Value PeriodicCurve::at(double x) const {

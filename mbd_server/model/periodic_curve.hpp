@@ -23,10 +23,14 @@ class PeriodicCurve {
 
   Value at(double x) const;
   double largest_slope() const { return largest_slope_; }
+  // What a motion from x0 to x1 does not see at its ends: the largest deviation of the curve from the
+  // straight line between them, at the knots in between, as a share of the range of the curve.
+  double unseen(double x0, double x1) const;
 
  private:
   PiecewisePolynomial curve_;
   double period_ = 0, begin_ = 0, rise_ = 0, largest_slope_ = 0;
+  double range_ = 0;  // of the values at the knots
 };
 
 }  // namespace tandem::mbd

@@ -103,6 +103,7 @@ class Builder {
     place_contacts(place_, meshes_, model_);
     place_roads(scene_, model_);
     find_boundary();
+    resolve_functions();
     find_breaks();
     find_what_can_be_left_out();
     return std::move(model_);
@@ -306,6 +307,34 @@ class Builder {
       if (wall.body != ground) model_.boundary.push_back(static_cast<int>(wall.body.value));
     std::sort(model_.boundary.begin(), model_.boundary.end());
     model_.boundary.erase(std::unique(model_.boundary.begin(), model_.boundary.end()), model_.boundary.end());
+  }
+
+  // The longest step that the run takes.
+  double longest_step() const {
+    double longest = scene_.coupling.window;
+    if (scene_.coupling.adaptive) longest = std::max(longest, scene_.coupling.adaptive->max_window);
+    return std::min(longest, mbd_.integrator.step.value_or(longest));
+  }
+
+  // Functions of time that are faster than the steps.
+  void resolve_functions() {
+    using Use = MotionFunction::Use;
+    const double step = longest_step();
+    const auto steps =
+        mbd_.integrator.error_tolerance || mbd_.integrator.method == scene::IntegrationMethod::dormand_prince
+            ? MotionFunction::Steps::controlled
+            : MotionFunction::Steps::fixed;
+    for (const Link& link : model_.links)
+      if (link.motion != none)
+        model_.motions[static_cast<std::size_t>(link.motion)].resolve(step, steps, Use::coordinate,
+                                                                      rotates(link.kind) ? 1 : model_.size);
+    std::vector<bool> is_force(model_.drives.size(), false);
+    for (const JointForce& force : model_.joint_forces)
+      if (force.drive != none) is_force[static_cast<std::size_t>(force.drive)] = true;
+    for (std::size_t i = 0; i < is_force.size(); ++i)
+      model_.drives[i].resolve(step, steps, is_force[i] ? Use::force : Use::signal, HUGE_VAL);
+    for (LoadOnLink& load : model_.loads)
+      if (!load.over) load.size.resolve(step, steps, Use::force, HUGE_VAL);
   }
 
   void find_breaks() {

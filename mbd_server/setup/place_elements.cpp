@@ -11,10 +11,17 @@ int index_of(const std::string& input, const std::vector<std::string>& inputs) {
   return static_cast<int>(std::find(inputs.begin(), inputs.end(), input) - inputs.begin());
 }
 
+// A table of what a coordinate should do is as smooth as one of a prescribed coordinate: it begins and ends
+// at rest, since the derivative of the error would kick where its slope jumps.
+enum class SignalOf { coordinate, share };
+
 Signal signal(const scene::Motion& motion, const std::string& input, const std::vector<std::string>& inputs,
-              Model& model) {
+              SignalOf of, Model& model) {
   if (!input.empty()) return {.drive = none, .input = index_of(input, inputs)};
-  model.drives.emplace_back(motion, scene::FunctionOf::force);
+  const auto* table = std::get_if<scene::TableMotion>(&motion);
+  const bool smooth =
+      of == SignalOf::coordinate && table && table->interpolation == scene::Interpolation::monotone;
+  model.drives.emplace_back(motion, smooth ? scene::FunctionOf::coordinate : scene::FunctionOf::force);
   return {.drive = static_cast<int>(model.drives.size()) - 1, .input = none};
 }
 
@@ -62,7 +69,9 @@ void place_element(const scene::Motor& motor, int account, const std::vector<std
   element.account = account;
   element.name = "motor \"" + motor.name + "\"";
   element.link = model.joints.at(motor.joint.value).coordinate_link;
-  element.signal = signal(motor.target, motor.input, inputs, model);
+  element.signal =
+      signal(motor.target, motor.input, inputs,
+             motor.control == scene::MotorControl::throttle ? SignalOf::share : SignalOf::coordinate, model);
   Drive drive;
   if (motor.control == scene::MotorControl::throttle)
     limit_input(element.signal, -1, "the throttle of " + element.name, model);
@@ -77,7 +86,7 @@ void place_element(const scene::Motor& motor, int account, const std::vector<std
     Signal share;
     if (motor.brake->engaged || !motor.brake->input.empty())
       share = signal(motor.brake->engaged.value_or(scene::ConstantMotion{1, 0}), motor.brake->input, inputs,
-                     model);
+                     SignalOf::share, model);
     limit_input(share, 0, "the brake of " + element.name, model);
     const scene::Friction friction{motor.brake->torque, motor.brake->slip, motor.brake->breakaway};
     if (friction.breakaway) {
@@ -102,7 +111,9 @@ void place_element(const Placement& placement, const scene::Cylinder& cylinder, 
   element.a = placement.point(model, cylinder.body_a, cylinder.point_a);
   element.b = placement.point(model, cylinder.body_b, cylinder.point_b);
   element.length = norm(cylinder.point_b - cylinder.point_a);
-  element.signal = signal(cylinder.target, cylinder.input, inputs, model);
+  element.signal = signal(
+      cylinder.target, cylinder.input, inputs,
+      cylinder.control == scene::CylinderControl::stroke ? SignalOf::coordinate : SignalOf::share, model);
   element.damping = cylinder.damping;
   element.friction = cylinder.friction;
   element.ends = cylinder.limits;

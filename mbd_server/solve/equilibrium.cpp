@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "mbd_server/forces/drive.hpp"
+#include "mbd_server/solve/modes.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -23,18 +24,38 @@ class EquilibriumSearch {
         acceleration_(zero_),
         dlambda_(VectorXd::Zero(model.equations)) {}
 
+  // Of equilibria to which the search has come from elsewhere, one is left that is unstable: the search goes
+  // on from beside it, on the side from which it came.
   EquilibriumReport run() {
+    constexpr int most = 8;
     stop();
     const VectorXd given = state_.z;
     expect_states_that_rest();
-    begin_states();
+    EquilibriumReport report;
+    for (int visits = 0;; ++visits) {
+      begin_states();
+      search(report);
+      end_states();
+      system_.residual(state_);
+      if (visits == most || !leave_unstable()) break;
+    }
+    if (has_states()) {
+      report.state_change = system_.state_norm(state_.z - given);
+      report.changed_state = system_.worst_state(state_.z - given);
+    }
+    report.moved = system_.worst(way_);
+    report.distance = way_.size() == 0 ? 0 : way_.cwiseQuotient(model_.scale).cwiseAbs().maxCoeff();
+    return report;
+  }
+
+ private:
+  void search(EquilibriumReport& report) {
     double acceleration = accelerate();
     // The first correction is of the size `longest` where it is an acceleration over mu. The weight that
     // remains for coordinates that nothing holds is far below the stiffness of a pendulum of that size.
     const double fall = std::max(model_.gravity.norm() / model_.size, 1e-6), first = acceleration / longest,
                  least = 1e-6 * fall;
-    double mu = std::max(first, least);
-    EquilibriumReport report;
+    double mu = std::max({first, least, steepest_});
     for (;; ++report.iterations) {
       if (report.iterations == max_iterations) fail("was not found in 1000 iterations");
       before_ = state_;
@@ -50,7 +71,8 @@ class EquilibriumSearch {
         if (error.code() != ErrorCode::numerics || !has_states()) throw;
         acceleration = HUGE_VAL;
       }
-      if (!(acceleration <= 2 * pushed) && size > converged) {  // too far: uphill
+      // Too far, or, where a weight below a negative stiffness makes it Newton's method, uphill.
+      if ((uphill_ || !(acceleration <= 2 * pushed)) && size > converged) {
         state_ = before_;
         if (has_states()) system_.residual(state_);
         acceleration = last;
@@ -67,19 +89,34 @@ class EquilibriumSearch {
       if (mu <= least && (size <= converged || acceleration <= 1e-12 * fall) && unrest() <= at_rest) break;
       mu = std::clamp(first > 0 ? mu * acceleration / std::max(last, 1e-300) : least, least, mu);
     }
-    end_states();
-    system_.residual(state_);
     report.acceleration = acceleration;
-    if (has_states()) {
-      report.state_change = system_.state_norm(state_.z - given);
-      report.changed_state = system_.worst_state(state_.z - given);
-    }
-    report.moved = system_.worst(way_);
-    report.distance = way_.size() == 0 ? 0 : way_.cwiseQuotient(model_.scale).cwiseAbs().maxCoeff();
-    return report;
   }
 
- private:
+  // From an unstable equilibrium to which the machine has moved, a twentieth of the way along the fastest
+  // growing mode, towards the configuration of the scene. The weight then stays above the negative stiffness.
+  bool leave_unstable() {
+    constexpr int most_freedoms = 200;  // the search for the modes is dense
+    constexpr double moved = 1e-9, share = 0.05;
+    if (model_.freedoms > most_freedoms || !(system_.norm(way_) > moved)) return false;
+    const Mode* fastest = nullptr;
+    const Modes found = find_modes(model_, system_, state_);
+    for (const Mode& mode : found.modes)
+      if (mode.s.imag() == 0 && mode.s.real() > 1e-6 && !mode.shape.isZero(0) &&
+          (!fastest || mode.s.real() > fastest->s.real()))
+        fastest = &mode;
+    system_.residual(state_);
+    if (!fastest) return false;
+    const VectorXd shape = fastest->shape.real();
+    const double along = -shape.dot(way_.cwiseQuotient(model_.scale));
+    if (std::abs(along) <= moved) return false;
+    steepest_ = 4 * fastest->s.real() * fastest->s.real();
+    dx_ = (std::copysign(share, along) * shape).cwiseProduct(model_.scale);
+    before_ = state_;
+    system_.move(before_.q, dx_, state_.q);
+    way_ += dx_;
+    return true;
+  }
+
   static constexpr int max_iterations = 1000;
   static constexpr double longest = 0.2;      // correction of one iteration: rad, or sizes of the system
   static constexpr double farthest = 100;     // whole way: rad, or sizes of the system
@@ -183,6 +220,8 @@ class EquilibriumSearch {
     system_.factorise({.mass = mu, .damping = 0, .stiffness = 1}, zero_);
     system_.solve(r, system_.constraint(Level::position), dx_, dlambda_);
     dx_ = -dx_;
+    // Without loops the forces at rest are -r: they do work downhill.
+    uphill_ = model_.equations == 0 && !has_states() && -r.dot(dx_) < 0 && system_.norm(dx_) > 1e-8;
     state_.lambda -= dlambda_;
     system_.move(before_.q, dx_, state_.q);
     if (has_states()) {
@@ -218,6 +257,8 @@ class EquilibriumSearch {
   State& state_;
   State before_;
   double state_step_ = 0;   // of z' = error in the next iteration [s]
+  bool uphill_ = false;     // whether the last correction went against the forces
+  double steepest_ = 0;     // weight above a negative stiffness [1/s2]
   double state_steps_ = 1;  // the same over 1 / sqrt(mu), the step of the motion
   VectorXd zero_, way_, dx_, acceleration_, dlambda_;
 };

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "mbd_server/forces/size_over_joint.hpp"
 
 namespace tandem::mbd {
 
@@ -85,13 +86,29 @@ std::string MachineSystem::obstacle() const {
   const int k = elimination_.tightest_closure();
   if (k == none || elimination_.smallest_sine() > near) return {};
   return "the loop that " + model_.closures[static_cast<std::size_t>(k)].name +
-         " closes is stretched or folded there: a motion may ask more of it than it can reach";
+         " closes is stretched or folded there: a motion may ask more of it than it can reach; or, where "
+         "lengths "
+         "should be equal, they have too few digits: give positions and axes of its joints with more";
 }
 
 double MachineSystem::curvature(const State& state) const {
   const auto u = state.u.cwiseQuotient(model_.scale), udot = state.udot.cwiseQuotient(model_.scale);
   const double uu = u.squaredNorm();
   return uu > 0 ? (udot - u * (u.dot(udot) / uu)).norm() / uu : 0;
+}
+
+double MachineSystem::unseen(const State& begin, const State& end) const {
+  double most = 0;
+  const auto look = [&](const std::optional<SizeOverJoint>& over) {
+    if (!over) return;
+    const CoordinateMotion x0 = coordinate_of(model_, begin, over->link),
+                           x1 = coordinate_of(model_, end, over->link);
+    most = std::max(
+        most, over->of_rate ? over->curve.unseen(x0.rate, x1.rate) : over->curve.unseen(x0.value, x1.value));
+  };
+  for (const LoadOnLink& load : model_.loads) look(load.over);
+  for (const JointForce& force : model_.joint_forces) look(force.over);
+  return most;
 }
 
 double MachineSystem::state_norm(const VectorXd& dz) const {

@@ -43,6 +43,7 @@ class MachineSystem final : public System {
   const VectorXd& state_rates() const override { return dynamics_.state_rates(); }
   double state_norm(const VectorXd& dz) const override;
   std::string worst_state(const VectorXd& dz) const override;
+  double unseen(const State& begin, const State& end) const override;
   std::string obstacle() const override;
   // Curvature of the path of all coordinates at the state of the last residual(), in rad and relative to
   // their scales [1/rad].

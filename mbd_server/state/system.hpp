@@ -66,6 +66,9 @@ class System {
   // Whether the forces hardly change with an increment that norm() finds small: a root of Newton's method is
   // one where this holds as well.
   virtual bool is_fine(const VectorXd&) const { return true; }
+  // What forces over a coordinate do between two states that neither of them sees: the largest deviation from
+  // a straight line, as a share of the range of the force [-].
+  virtual double unseen(const State&, const State&) const { return 0; }
   // The coordinate with the largest increment, in the user's words.
   virtual std::string worst(const VectorXd& dx) const = 0;
   // A possible reason, at the last factorise(), why Newton's method does not converge, in the user's words;

@@ -80,7 +80,9 @@ void BodyContacts::start_method(State& state) {
 void BodyContacts::integrate_wrenches(State& state, double h) {
   if (!records_impulses_) return;
   const GeneralizedAlphaConstants& c = method_.constants();
-  const Wrenches last = state.contact_wrench;
+  Wrenches last = state.contact_wrench;
+  if (method_.began_afresh())
+    last = at_begin_wrench_ + (c.alpha_m - c.alpha_f) * (at_end_wrench_ - at_begin_wrench_);
   state.contact_wrench =
       ((1 - c.alpha_f) * at_end_wrench_ + c.alpha_f * at_begin_wrench_ - c.alpha_m * last) / (1 - c.alpha_m);
   impulses_ = h * ((1 - c.gamma) * last + c.gamma * state.contact_wrench);

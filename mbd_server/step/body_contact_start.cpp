@@ -39,7 +39,7 @@ void BodyContacts::expect_outside() const {
 }
 
 // A contact whose loads hold it has no acceleration that opens it.
-void BodyContacts::note_start(State& state) {
+void BodyContacts::note_start(State& state, double h) {
   released_ = {};
   if (state.contacts.cols() == 0) return;
   const auto rates = [&](const State& at, std::vector<double>& rate) {
@@ -50,7 +50,7 @@ void BodyContacts::note_start(State& state) {
   };
   std::vector<double> before, after;
   rates(state, before);
-  const double dt = 1e-3 * state.step;
+  const double dt = 1e-3 * h;
   State ahead = state;
   ahead.time += dt;
   ahead.u += dt * state.udot;

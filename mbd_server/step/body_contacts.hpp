@@ -60,7 +60,7 @@ class BodyContacts {
   // Sets the contacts of a state at the start: shapes that overlap or touch there are in contact.
   void prepare(State& state);
   // Finds what is released at the start, when the method has started there.
-  void note_start(State& state);
+  void note_start(State& state, double h);
   const ReleasedAtStart& released() const { return released_; }
   // The requested step, up to which steps grow again after a contact [s], and the energy that moves [J].
   void begin(double requested, double energy_scale) {

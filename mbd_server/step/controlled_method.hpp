@@ -31,6 +31,9 @@ struct ControlTraits {
   const char* collapsed = "";            // what the user should write then
 };
 
+// Of System::unseen(), in one step: a step that sees less of a force over a coordinate is taken in parts.
+inline constexpr double largest_unseen = 0.1;
+
 class ControlledMethod : public Integrator {
  public:
   // Takes a step and returns the estimate of its local error. Where the step is impossible, the state is

@@ -100,6 +100,10 @@ std::optional<LocalError> DormandPrince::try_step(System& system, State& state, 
     failure_ = error.problem();
     return {};
   }
+  if (system.unseen(state, stage_) > largest_unseen) {
+    failure_ = "a force over a coordinate changes within it";
+    return {};
+  }
   combine(error_weights, stages, h, x_rates_, dx_);
   combine(error_weights, stages, h, u_rates_, du_);
   if (state.z.size() > 0) combine(error_weights, stages, h, z_rates_, dz_);

@@ -73,11 +73,21 @@ void GeneralizedAlpha::start(System& system, State& state, double h) {
   ahead_.udot = (ahead_.udot - state.udot) / dt;
   // A rate that would change u by more than u and h u' within the step belongs to a vibration that the step
   // does not resolve: it would make a useless.
-  if (h * h * system.norm(ahead_.udot) > system.norm(state.u) + h * system.norm(state.udot))
+  const auto too_fast = [&] {
+    return h * h * system.norm(ahead_.udot) > system.norm(state.u) + h * system.norm(state.udot);
+  };
+  state.step = h;
+  if (too_fast()) {
+    // Where it is a force that rises from zero, the first step takes the rate from itself.
+    ahead_ = state;
+    ahead_.time += dt;
+    solve_acceleration(system, ahead_);
+    ahead_.udot = (ahead_.udot - state.udot) / dt;
+    if (too_fast()) state.step = 0;
     ahead_.udot.setZero();
+  }
   state.a = state.udot + (c_.alpha_m - c_.alpha_f) * h * ahead_.udot;
   state.udot_rate = ahead_.udot;
-  state.step = h;
   if (constraints_ == Constraints::index3 && system.constraints() > 0) perturb_velocity(system, state, h);
 }
 
@@ -125,6 +135,11 @@ void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
   if (rate_jump_.apply(system, before, state)) ++counters_.factorisations;
   solve_acceleration(system, state);
   jump_states(state);
+  ++counters_.load_jumps;
+  if (state.step == 0) {  // the next step begins afresh
+    state.a -= dx_;
+    return;
+  }
   ahead_ = before;
   ahead_.time += state.step;
   x_ = system.residual(ahead_);
@@ -145,7 +160,6 @@ void GeneralizedAlpha::jump(System& system, const State& before, State& state) {
   shift_ -= dx_;
   state.a -= dx_ + (c_.alpha_m - c_.alpha_f) * shift_;
   state.udot_rate -= shift_ / state.step;
-  ++counters_.load_jumps;
 }
 
 // A change of the step disturbs the filtered acceleration, so that small changes are avoided.
@@ -177,6 +191,7 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
   }
   const double begin = state.time;
   error_of_parts_ = 0;
+  errors_of_parts_.setZero(state.u.size());
   int length = most / 2;
   for (int done = 0; done < most;) {
     const double part = h * length / most;
@@ -192,6 +207,7 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
       ++shortened_.doubtful;
     }
     *error_of_parts_ += error->position;
+    errors_of_parts_ += (std::abs(c_.error_constant()) * part * part) * dx_.cwiseAbs();
     shortened_.shortest = std::min(shortened_.shortest, part);
     done += length;
     state.time = begin + h * done / most;
@@ -204,7 +220,8 @@ void GeneralizedAlpha::step_in_parts(System& system, State& state, double h) {
 std::optional<LocalError> GeneralizedAlpha::try_step(System& system, State& state, double h) {
   state.side = state.time;
   begin_ = state;
-  if (!find(system, state, h, Trust::contracting)) {
+  if (!find(system, state, h, Trust::contracting) || system.unseen(begin_, state) > largest_unseen) {
+    dx_ = state.udot - begin_.udot;
     state = begin_;
     return {};
   }
@@ -219,6 +236,7 @@ bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust)
   // a stands for the time t + (alpha_m - alpha_f) h, which depends on h. Scaling a - u' by the ratio of the
   // steps would be right for smooth motions, but the part that a jump of u' has left in it would grow.
   a0_ = begin_.a;
+  afresh_ = begins_afresh(h);
   if (h != begin_.step && begin_.step > 0)
     a0_ += (c_.alpha_m - c_.alpha_f) * (h - begin_.step) * begin_.udot_rate;
   if (state.z.size() > 0) predict_states(state, h);
@@ -243,7 +261,17 @@ bool GeneralizedAlpha::find(System& system, State& state, double h, Trust trust)
   return false;
 }
 
+// The mean rate of u' over a short step does not hold for a long one, nor that before a break after it: a
+// force that rose within the short step would go on to rise. Such a step takes the rate from itself, a0 = u'0
+// + (alpha_m - alpha_f) (u'1 - u'0), which is the trapezoidal rule for u.
+bool GeneralizedAlpha::begins_afresh(double h) const {
+  constexpr double much = 4;  // steps in parts and those of an error control grow by 2
+  // Contacts have no rate where it belongs to a vibration that the steps do not resolve.
+  return h > much * begin_.step && (begin_.step == 0 || !begin_.udot_rate.isZero(0));
+}
+
 LocalError GeneralizedAlpha::finish(System& system, State& state, double h) {
+  if (afresh_) a0_ = begin_.udot + (c_.alpha_m - c_.alpha_f) * (state.udot - begin_.udot);
   state.a = ((1 - c_.alpha_f) * state.udot + c_.alpha_f * begin_.udot - c_.alpha_m * a0_) / (1 - c_.alpha_m);
   ++state.steps;
   ++counters_.steps;
@@ -261,6 +289,11 @@ LocalError GeneralizedAlpha::finish(System& system, State& state, double h) {
 
 // The part of z1 that does not depend on the end of the step, and the weight of z1' in it.
 void GeneralizedAlpha::predict_states(State& state, double h) {
+  if (afresh_) {
+    state.z_weight = 0.5 * h;
+    state.z_known = begin_.z + 0.5 * h * begin_.zdot;
+    return;
+  }
   w0_ = begin_.w;
   if (h != begin_.step && begin_.step > 0)
     w0_ += (c_.alpha_m - c_.alpha_f) * (h - begin_.step) * begin_.zdot_rate;
@@ -276,6 +309,7 @@ double GeneralizedAlpha::finish_states(System& system, State& state, double h, d
   state.z = system.states();
   state.zdot = (state.z - state.z_known) / state.z_weight;
   state.z_weight = 0;
+  if (afresh_) w0_ = begin_.zdot + (c_.alpha_m - c_.alpha_f) * (state.zdot - begin_.zdot);
   state.w = ((1 - c_.alpha_f) * state.zdot + c_.alpha_f * begin_.zdot - c_.alpha_m * w0_) / (1 - c_.alpha_m);
   state.zdot_rate = (state.zdot - begin_.zdot) / h;
   dz_ = state.zdot_rate - begin_.zdot_rate;
@@ -288,6 +322,7 @@ void GeneralizedAlpha::predict(System& system, State& state, double h, Begin beg
   state.time = begin_.time + h;
   state.lambda = begin_.lambda;
   state.udot = udot0;
+  if (afresh_) a0_ = udot0;
   state.a = (udot0 - c_.alpha_m * a0_) / (1 - c_.alpha_m);
   state.u = u0 + h * ((1 - c_.gamma) * a0_ + c_.gamma * state.a);
   x_ = h * u0 + h * h * ((0.5 - c_.beta) * a0_ + c_.beta * state.a);
@@ -303,6 +338,10 @@ void GeneralizedAlpha::predict(System& system, State& state, double h, Begin beg
 }
 
 MatrixWeights GeneralizedAlpha::step_weights(double h) const {
+  if (afresh_) {
+    const double beta = c_.beta + 0.5 * (c_.alpha_m - c_.alpha_f);
+    return {.mass = 1 / (h * h * beta), .damping = 1 / (2 * h * beta), .stiffness = 1};
+  }
   return {.mass = (1 - c_.alpha_m) / (h * h * c_.beta * (1 - c_.alpha_f)),
           .damping = c_.gamma / (h * c_.beta),
           .stiffness = 1};

@@ -89,7 +89,11 @@ class GeneralizedAlpha final : public ControlledMethod {
   void back(const ShortenedSteps& shortened) { shortened_ = shortened; }
   // Sum of the local errors of the position of the parts of the last step() [-]; none: it was taken whole.
   std::optional<double> error_of_parts() const { return error_of_parts_; }
+  // The sizes of these errors, coordinate by coordinate (freedoms) [rad or m].
+  const VectorXd& errors_of_parts() const { return errors_of_parts_; }
   const GeneralizedAlphaConstants& constants() const { return c_; }
+  // Whether the last step took its algorithmic accelerations at the begin from itself.
+  bool began_afresh() const { return afresh_; }
   // Multiplies Newton's tolerance by that factor.
   void loosen(double factor) { newton_.tolerance *= factor; }
 
@@ -103,6 +107,7 @@ class GeneralizedAlpha final : public ControlledMethod {
   void step_in_parts(System& system, State& state, double h);
   enum class Trust { contracting, any };  // which roots are accepted
   bool find(System& system, State& state, double h, Trust trust);
+  bool begins_afresh(double h) const;
   LocalError finish(System& system, State& state, double h);
   // Start of the iteration: the quantity that is constant.
   enum class Begin { acceleration, velocity, position };
@@ -115,6 +120,7 @@ class GeneralizedAlpha final : public ControlledMethod {
   Constraints constraints_;
   RateJump rate_jump_;
   State begin_, ahead_;      // at the begin of the step; of start()
+  bool afresh_ = false;      // whether a0_ follows from the step itself
   VectorXd a0_;              // algorithmic acceleration at the begin, at its time for this h
   VectorXd x_, dx_, shift_;  // increment of the step; of the iteration; its part in s (freedoms)
   VectorXd phi_, dlambda_;   // (constraints)
@@ -124,6 +130,7 @@ class GeneralizedAlpha final : public ControlledMethod {
   int last_iterations_ = 0;
   ShortenedSteps shortened_;
   std::optional<double> error_of_parts_;
+  VectorXd errors_of_parts_;  // (freedoms)
   // The system had no forces at an iterate of the last try_step() that failed, and why.
   bool singular_ = false;
   std::optional<Error> failure_;

@@ -53,7 +53,7 @@ void Richardson::start(System& system, State& state, double h) {
   fine_ = coarse_;
   method_.start(system, coarse_, h);
   method_.start(system, fine_, h / 2);
-  state.step = h;
+  state.step = coarse_.step;
   combine(system, state);
 }
 

@@ -39,7 +39,7 @@ TEST(ErrorEstimate, SaysWhyThereIsNone) {
   expect_none(stops, "steps are those of the error control");
   scene = machines::shipped("double_pendulum");
   scene.end_time = 60;  // chaotic
-  scene.mbd->integrator.step = 1e-2;
+  scene.mbd->integrator.step = 1e-3;
   WholeRun chaos(scene);
   const Json facts = chaos.facts();
   for (const char* name : {"mbd_position_error_estimate_m", "mbd_rotation_error_estimate_rad"})
@@ -61,7 +61,6 @@ TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
     const Pose is = run.solver.observe().bodies[0].pose, should_be = exact.solver.observe().bodies[0].pose;
     const double error = norm(rotation_vector(is.q_WB * should_be.q_WB.conjugate()));
     const Json facts = run.facts();
-    EXPECT_TRUE(facts["mbd_position_error_estimate"].is_string());
     const double sum = facts["mbd_local_error_sum"];
     std::printf("  simple_pendulum, step %.2e s: error %.2e rad, sum of local errors %.2e\n", factor * 2.5e-3,
                 error, sum);

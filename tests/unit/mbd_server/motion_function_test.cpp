@@ -133,6 +133,38 @@ TEST(MotionFunction, SizesOfForces) {
   EXPECT_NEAR(size(Interpolation::monotone).at(.275).value, 1 - 2 * (3 * .0625 - 2 * .015625), 1e-14);
 }
 
+// Steps of 10 ms, and changes within 1 ms: parts of the same impulse and first moment, a coordinate with its
+// values and rates at their ends, and a signal with its values.
+TEST(MotionFunction, IsDividedWhereItIsFasterThanTheSteps) {
+  const TableMotion pulse{{0, .1, .1004, .101, .3}, {0, 0, 5, 0, 0}, Interpolation::monotone};
+  MotionFunction force(pulse, FunctionOf::force), exact = force, signal = force;
+  force.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::force, HUGE_VAL);
+  signal.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::signal, HUGE_VAL);
+  double impulse = 0, moment = 0, difference = 0;
+  constexpr int parts = 200000;
+  for (int k = 0; k < parts; ++k) {
+    const double t = .0999 + .0012 * (k + .5) / parts, dt = .0012 / parts;
+    const double d = force.at(t).value - exact.at(t).value;
+    impulse += d * dt, moment += d * dt * (t - .1), difference = std::max(difference, std::abs(d));
+    EXPECT_NEAR(signal.at(t).value, exact.at(t).value, 1e-12);
+  }
+  EXPECT_NEAR(impulse, 0, 1e-9);
+  EXPECT_NEAR(moment, 0, 1e-12);
+  EXPECT_GT(difference, 1e-3);
+  EXPECT_GE(force.breaks().size(), 64u);
+  MotionFunction ramp(RampMotion{0, .2, .1, .001}), exact_ramp = ramp;
+  ramp.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::coordinate, 1);
+  ASSERT_GE(ramp.breaks().size(), 65u);
+  for (const double t : ramp.breaks()) {
+    EXPECT_NEAR(ramp.at(t).value, exact_ramp.at(t).value, 1e-13);
+    EXPECT_NEAR(ramp.at(t).rate, exact_ramp.at(t).rate, 1e-10);
+  }
+  MotionFunction slow(RampMotion{0, .2, .1, .7});
+  const auto before = slow.breaks();
+  slow.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::coordinate, 1);
+  EXPECT_EQ(slow.breaks(), before);
+}
+
 TEST(MotionFunction, RefusesATableOfOnePoint) {
   EXPECT_THROW(MotionFunction(TableMotion{{0}, {1}}), Error);
 }

@@ -133,6 +133,20 @@ TEST(Case, ShaftWithABearingAtTheOriginTurns) {
   expect_shaft_turns("shaft_bearing_at_origin");
 }
 
+// A tree with ball joint, spring and motors whose step is too long, and a vibration of 5 mm in a machine of 1
+// m with 22 steps in a period: off by 14 % of the size, and by more than its amplitude.
+TEST(Case, ErrorsOfTheStepAreStated) {
+  for (const char* name : {"tree_local_errors", "small_vibration"}) {
+    const Case run(name);
+    ASSERT_FALSE(run.error) << run.error->what();
+    const auto& estimate = run.report["mbd_position_error_estimate"];
+    const double says =
+        estimate.is_number() ? estimate.get<double>() : run.report["mbd_local_error_sum"].get<double>();
+    std::printf("%s: stated error %.3g, expected above 0.05\n", name, says);
+    EXPECT_GT(says, 0.05);
+  }
+}
+
 TEST(Case, ShaftInACoordinatePlaneTurns) {
   expect_shaft_turns("shaft_in_a_coordinate_plane");
 }
