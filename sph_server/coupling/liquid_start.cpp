@@ -163,9 +163,9 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   return start;
 }
 
-LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene) {
+LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene, const PlacesByFill& places) {
   LiquidState state =
-      liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses, start.velocity);
+      liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses, start.velocity, places);
   refuse_coinciding_walls(state.position, start.walls, start.inlets, start.setup, start.poses, scene);
   return state;
 }

@@ -30,7 +30,8 @@ struct LiquidStart {
 LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 
 // Its particles. Error{scene} as liquid_at_start() and refuse_coinciding_walls().
-LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene);
+LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene,
+                         const PlacesByFill& places = {});
 
 inline LiquidState start_of_liquid(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
   return particles_of(prepare_start(scene, meshes), scene);

@@ -224,7 +224,7 @@ TEST(LiquidStart, RefusesWallsThatLieOnEachOtherInTheLiquid) {
   };
   EXPECT_EQ(beside(box_wall("plate", {0, 0, -0.05}, {0.8, 0.8, 0.1})),
             "scene: sph.walls: wall 'vat' of 'tank' and wall 'plate' of 'ground' lie on each other at "
-            "[0.0725, -0.0275, "
+            "[-0.186464, -0.0864645, "
             "0] m, where the liquid sees them: both would act on it (leave one of them out there, as by "
             "'open' faces "
             "of a box or a cylinder, or put the one that the liquid touches a hundredth of a spacing in "
