@@ -33,7 +33,10 @@ struct Start {
   bool files_only = false;
 
   SceneFile read(const std::string& path) const {
-    return read_scene(path, {}, SettleOn{.backend = options.backend, .settles = !files_only});
+    return read_scene(
+        path, {},
+        SettleOn{
+            .backend = options.backend, .settles = !files_only, .fills = !options.sph_server.has_value()});
   }
   std::optional<DryRun> run(const SceneFile& file) {
     if (files_only) return {};

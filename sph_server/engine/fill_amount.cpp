@@ -96,8 +96,9 @@ double level_of(const TriangleMesh& region, Vec3d up, const FillAmount& amount) 
     return low + *amount.height;
   }
   if (!(*amount.volume > 0 && *amount.volume <= whole * (1 + 1e-9)))
-    refuse("a volume of " + scene::rounded(*amount.volume) + " m3 in a region of " + scene::rounded(whole) +
-               " m3",
+    refuse((amount.mass ? "a mass of " + scene::rounded(*amount.mass) + " kg and so a volume of "
+                        : "a volume of ") +
+               scene::rounded(*amount.volume) + " m3 in a region of " + scene::rounded(whole) + " m3",
            "give a volume above 0 and of at most that of the region");
   double lower = low, upper = high;
   for (int k = 0; k < 100; ++k) {

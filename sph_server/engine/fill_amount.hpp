@@ -13,8 +13,9 @@ namespace tandem::sph {
 // The level lies perpendicular to gravity, `height` above the lowest point of the region; or it is where the
 // liquid has the `volume`. Exactly one of them is given.
 struct FillAmount {
-  std::optional<double> height;  // [m]
-  std::optional<double> volume;  // [m3]
+  std::optional<double> height = {};  // [m]
+  std::optional<double> volume = {};  // [m3]
+  std::optional<double> mass = {};    // from which the volume follows, for messages [kg]
   // By how much the volumes of the solids that were taken out of the region exceed that of their union [m3].
   double common = 0;
 };

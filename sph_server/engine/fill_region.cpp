@@ -16,7 +16,7 @@ namespace tandem::sph {
 namespace {
 
 // docs/experiments/2026-11-sph-fill.md
-constexpr Packing spreading{3.0, 0.85, 50}, parting{0.1, 0.8, 20};
+constexpr Packing spreading{3.0, 0.88, 60}, parting{0.1, 0.8, 20};
 
 // A rectangle at the surface that covers the region.
 TriangleMesh lid_of(const FilledPart& part, const LatticeAxes& axes, double margin) {

@@ -187,7 +187,8 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
                     place_of_fill(k), "give a level between them");
       filled.amount.height = *inside->level - low;
     } else {
-      filled.amount.volume = inside->volume;
+      filled.amount.volume = inside->mass ? *inside->mass / sph.liquids.front().density : inside->volume;
+      filled.amount.mass = inside->mass;
     }
     // The volume is that of the liquid alone; a wall that is in it raises the level.
     const auto depth = [&] {

@@ -185,7 +185,7 @@ TEST(FilledRegion, IsAtRestInARoundTankWithAShaft) {
   });
   EXPECT_TRUE(places.relaxed);
   EXPECT_EQ(steps, all);
-  expect_figure("steps of the relaxation", 70, steps, 0);
+  expect_figure("steps of the relaxation", 80, steps, 0);
   expect_figure("particles", vat.wanted(), static_cast<double>(places.position.size()), 0.5);
   const auto engine = make_liquid_engine(vat.setup, true);
   engine->set_state(at_rest_in(vat.setup, vat.filling(), places.position), vat.poses());
