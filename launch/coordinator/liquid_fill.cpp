@@ -173,15 +173,20 @@ void fill_liquids(SceneFile& file, const SettleOn& on) {
   if (std::ranges::none_of(
           fills, [](const auto& fill) { return std::holds_alternative<scene::LiquidInside>(fill); }))
     return;
-  sph::LiquidStart start = sph::prepare_start(file.scene, file.meshes);
-  start.setup.backend = particles::choose_backend(on.backend);
-  start.setup.threads = on.threads;
-  for (const sph::FilledInside& inside : start.insides) {
-    const auto job = std::make_shared<Job>();
-    job->inside = inside;
-    job->setup = start.setup;
-    job->poses = start.poses;
-    take(job, std::get<scene::LiquidInside>(fills[inside.fill]).wall, file);
+  try {
+    sph::LiquidStart start = sph::prepare_start(file.scene, file.meshes);
+    start.setup.backend = particles::choose_backend(on.backend);
+    start.setup.threads = on.threads;
+    for (const sph::FilledInside& inside : start.insides) {
+      const auto job = std::make_shared<Job>();
+      job->inside = inside;
+      job->setup = start.setup;
+      job->poses = start.poses;
+      take(job, std::get<scene::LiquidInside>(fills[inside.fill]).wall, file);
+    }
+  } catch (const Error& error) {
+    if (!error.where().starts_with("sph.")) throw;
+    throw Error(error.code(), error.problem(), file.origin + ": " + error.where(), error.hint());
   }
 }
 

@@ -1,5 +1,7 @@
 #include "sph_server/engine/fill_region.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -68,9 +70,13 @@ std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::Body
       if (after_step) after_step(done, all);
     });
   if (const std::uint64_t passed = engine->figures().passed_walls; passed > 0)
-    throw Error(ErrorCode::scene,
-                std::to_string(passed) + " particles left the region while they were packed", "fill",
-                "close the walls around the liquid, or take a smaller spacing");
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("{} left the region while {} packed",
+                    passed == 1 ? "a particle" : std::to_string(passed) + " particles",
+                    passed == 1 ? "it was" : "they were"),
+        "fill",
+        "close the walls around the liquid, or take a spacing of less than half of the narrowest gap");
   return engine->state().position;
 }
 

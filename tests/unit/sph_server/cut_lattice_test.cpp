@@ -190,7 +190,7 @@ TEST(FilledRegion, IsAtRestInARoundTankWithAShaft) {
   const auto engine = make_liquid_engine(vat.setup, true);
   engine->set_state(at_rest_in(vat.setup, vat.filling(), places.position), vat.poses());
   expect_figure("largest acceleration at the start / gravity", 0,
-                engine->figures().largest_acceleration / 9.81, 0.5);
+                engine->figures().largest_acceleration / 9.81, 1.5);
   const double weight = static_cast<double>(places.position.size()) * vat.setup.liquid.mass() * 9.81;
   const Wrench load = engine->loads()[0];
   expect_figure("load / weight at the start", 1, -load.force.z / weight, 0.03);
