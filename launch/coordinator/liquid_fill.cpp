@@ -169,6 +169,7 @@ void take(const std::shared_ptr<Job>& job, const std::string& wall, SceneFile& f
 
 void fill_liquids(SceneFile& file, const SettleOn& on) {
   if (!file.scene.sph || !on.settles || !on.fills) return;
+  if (const std::string& server = file.scene.sph->server; !server.empty() && server != "sph_server") return;
   const auto& fills = file.scene.sph->liquids.front().fill;
   if (std::ranges::none_of(
           fills, [](const auto& fill) { return std::holds_alternative<scene::LiquidInside>(fill); }))

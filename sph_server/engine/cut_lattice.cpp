@@ -46,8 +46,8 @@ class Joined {
   int root_[samples];
 };
 
-// Where the samples of a cell are within their own cells, from 0 to 1: other ones in each cell, so that a
-// wall along the lattice is seen where it is. Additive recurrence [Roberts2018].
+// Where the samples of a cell are within their own cells, from 0 to 1: others in each cell, so that a
+// wall along the lattice is seen where it is. They follow from multiples of irrational numbers.
 double offset(std::uint64_t cell, double irrational) {
   const double value = 0.5 + irrational * static_cast<double>(cell % 1000003);
   return value - std::floor(value);
