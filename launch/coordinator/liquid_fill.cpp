@@ -85,9 +85,8 @@ sph::FilledPlaces wait_for(const std::shared_ptr<Job>& job) {
   std::future<sph::FilledPlaces> result = task.get_future();
   std::thread worker(std::move(task));
   Progress progress(*job);
-  while (result.wait_for(50ms) != std::future_status::ready) {
-    progress.report();
-    if (!interrupted()) continue;
+  while (result.wait_for(50ms) != std::future_status::ready && !interrupted()) progress.report();
+  if (interrupted()) {
     job->stop = true;
     if (result.wait_for(grace) == std::future_status::ready)
       worker.join();

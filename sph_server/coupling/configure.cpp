@@ -11,7 +11,6 @@
 #include "common/log.hpp"
 #include "common/scene/no_solver_options.hpp"
 #include "common/scene/parse.hpp"
-#include "common/scene/particle_file.hpp"
 #include "common/scene/plain_text.hpp"
 #include "particles/base/backend.hpp"
 #include "particles/base/memory.hpp"
@@ -88,11 +87,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         sph.micro_step ? "sph.micro_step" : "sph.spacing", "enlarge it, or shorten the window");
   for (const std::string& sentence : start.warnings) warn(sentence);
   const std::size_t predicted = check_memory(start);
-  PlacesByFill places;
-  for (const protocol::NamedText& file : configuration.files)
-    if (file.name.starts_with("sph."))
-      places[file.name] = scene::read_particle_file(file.text, file.name).positions;
-  const LiquidState liquid_now = particles_of(start, scene_, places);
+  const LiquidState liquid_now = particles_of(start, scene_, places_in(configuration.files));
   at_start_ = static_cast<std::uint32_t>(liquid_now.size());
   id_.resize(at_start_);
   std::iota(id_.begin(), id_.end(), 0u);

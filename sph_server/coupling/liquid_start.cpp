@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/scene/particle_file.hpp"
 #include "particles/serving/boundary.hpp"
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/limits.hpp"
@@ -161,6 +162,14 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
     start.setup.capacity = static_cast<std::size_t>(std::clamp(filled, 1.0, double{Neighbour::most}));
   }
   return start;
+}
+
+PlacesByFill places_in(const std::vector<protocol::NamedText>& files) {
+  PlacesByFill places;
+  for (const protocol::NamedText& file : files)
+    if (file.name.starts_with("sph."))
+      places[file.name] = scene::read_particle_file(file.text, file.name).positions;
+  return places;
 }
 
 LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene, const PlacesByFill& places) {
