@@ -25,6 +25,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto between_lines = 5s;
+constexpr std::size_t many = 20'000;  // particles
 // How long a step may go on after an interrupt before it is left alone.
 constexpr auto grace = 500ms;
 
@@ -67,7 +68,8 @@ class Progress {
     const double left = seconds_since(begin_) / (done - first_) * (all - done);
     reported_ = done;
     if (!said_ && left < 2) return;
-    log::info("the liquid is filled in: step {} of {}, about {:.2g} s are left", done, all, left);
+    log::info("the liquid is filled in: step {} of {}, about {:.{}f} s are left", done, all, left,
+              left < 10 ? 1 : 0);
     said_ = true;
     last_ = Clock::now();
   }
@@ -152,6 +154,9 @@ void take(const std::shared_ptr<Job>& job, const std::string& wall, SceneFile& f
                                    particles.positions.size(), wall));
   } else {
     expect_memory(*job);
+    // The lattice and the lists before the first step take a while as well.
+    if (job->inside.particles >= many)
+      log::info("about {} particles of the liquid are placed inside '{}'", job->inside.particles, wall);
     sph::FilledPlaces filled = wait_for(job);
     if (!filled.relaxed) return;
     particles.positions = std::move(filled.position);

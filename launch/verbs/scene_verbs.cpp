@@ -83,6 +83,7 @@ void add_validate(CLI::App& app, int& status) {
         const bool named = std::string_view(error.what()).find(path) != std::string_view::npos;
         fmt::print(stderr, "error: {}{}\n", named ? "" : path + ": ", error.what());
         status = exit_status(error.code());
+        if (error.code() == ErrorCode::interrupted) return;  // nor are the other scenes looked at
       }
       fmt::print("{}", said);
       std::fflush(stdout);
