@@ -108,10 +108,15 @@ class Cutter {
   template <class Each>
   void for_next(const std::vector<Part>& parts, std::size_t from, Each each) const {
     const Part& part = parts[from];
+    const auto number = static_cast<std::int64_t>(part.cell);
+    const std::int64_t here[2] = {number % count_[0], number / count_[0] % count_[1]};
     for (int n = 14; n < 27; ++n) {
       const std::int64_t step[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      const auto cell = static_cast<std::uint64_t>(static_cast<std::int64_t>(part.cell) + step[0] +
-                                                   count_[0] * (step[1] + count_[1] * step[2]));
+      bool exists = true;
+      for (int a = 0; a < 2; ++a) exists = exists && here[a] + step[a] >= 0 && here[a] + step[a] < count_[a];
+      if (!exists) continue;
+      const auto cell =
+          static_cast<std::uint64_t>(number + step[0] + count_[0] * (step[1] + count_[1] * step[2]));
       auto next = std::ranges::lower_bound(parts, cell, {}, &Part::cell);
       for (; next != parts.end() && next->cell == cell; ++next)
         if (!walls_.between(part.place, next->place)) each(static_cast<std::size_t>(next - parts.begin()));
