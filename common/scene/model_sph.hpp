@@ -14,11 +14,12 @@ namespace tandem::scene {
 // Pressure at the start: that of the weight of the liquid above, or none.
 enum class StartPressure { hydrostatic, zero };
 
-// The inside of a wall up to a level. Exactly one of level and volume is given.
+// The inside of a wall up to a level. Exactly one of level, volume and mass is given.
 struct LiquidInside {
   std::string wall;              // name
   std::optional<double> level;   // distance above the world's origin, against gravity [m]
   std::optional<double> volume;  // [m3]
+  std::optional<double> mass;    // [kg]
 };
 
 struct Liquid {

@@ -30,10 +30,16 @@ Liquid parse_liquid(const Node& node) {
     from.read("wall", inside.wall);
     from.read("level", inside.level);
     from.read("volume", inside.volume);
-    if (inside.level.has_value() == inside.volume.has_value())
-      from.fail(
-          std::string("the fill has ") + (inside.level ? "a level and a volume" : "neither level nor volume"),
-          "give one of them");
+    from.read("mass", inside.mass);
+    if (const int given =
+            int{inside.level.has_value()} + int{inside.volume.has_value()} + int{inside.mass.has_value()};
+        given != 1)
+      from.fail(given == 0                      ? "the fill has neither level nor volume nor mass"
+                : given == 3                    ? "the fill has a level, a volume and a mass"
+                : inside.level && inside.volume ? "the fill has a level and a volume"
+                : inside.level                  ? "the fill has a level and a mass"
+                                                : "the fill has a volume and a mass",
+                "give one of them");
     liquid.fill.emplace_back(inside);
   }
   return liquid;

@@ -384,8 +384,9 @@ std::string fill_of_liquid(const std::variant<Box, LiquidInside>& fill) {
   if (const auto* box = std::get_if<Box>(&fill)) return "box " + text(box->min) + " .. " + text(box->max);
   const auto& inside = std::get<LiquidInside>(fill);
   return "inside " + inside.wall +
-         (inside.level ? fmt::format(" up to {:.6g}", *inside.level)
-                       : fmt::format(", {:.6g} m3", *inside.volume));
+         (inside.level    ? fmt::format(" up to {:.6g}", *inside.level)
+          : inside.volume ? fmt::format(", {:.6g} m3", *inside.volume)
+                          : fmt::format(", {:.6g} kg", *inside.mass));
 }
 
 const char* kind_of(LiquidSensor::Kind kind) {

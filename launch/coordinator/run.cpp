@@ -456,7 +456,8 @@ int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
   if (options.quiet) log::quiet();  // while spheres settle
   const SceneFile file =
-      read_scene(options.scene, options.overrides, SettleOn{options.backend, options.threads});
+      read_scene(options.scene, options.overrides,
+                 SettleOn{options.backend, options.threads, true, !options.sph_server.has_value()});
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);

@@ -17,6 +17,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
+#include "launch/coordinator/liquid_fill.hpp"
 #include "launch/coordinator/placement.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
 
@@ -185,6 +186,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   if (file.scene.dem) import_particles(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
   if (on) place_fills(path.parent_path(), file, *on);
+  if (on) fill_liquids(file, *on);
   if (file.scene.mbd && !scene::control_inputs(*file.scene.mbd).empty())
     file.notes.push_back(fmt::format("a run needs --controller PROGRAM, which gives the control inputs {}",
                                      fmt::join(scene::control_inputs(*file.scene.mbd), ", ")));

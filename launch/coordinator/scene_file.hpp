@@ -36,11 +36,12 @@ struct SettledBed {
   bool from_cache = false;
 };
 
-// Where the particle solver computes a bed that settles; no result depends on it.
+// Where the start of particles is computed; no result depends on it.
 struct SettleOn {
   std::string backend = "auto";
   unsigned threads = 0;
   bool settles = true;  // false: spheres are where they are packed, and no solver is started
+  bool fills = true;    // false: the solver of the liquid is another program, which places its particles
 };
 
 struct SceneFile {
@@ -54,19 +55,20 @@ struct SceneFile {
   std::vector<std::string> notes;     // useful information before a run
   // Of the walls with a mesh file, then of those made of facets, then of shapes of contact with a file.
   std::vector<protocol::NamedMesh> meshes;
-  std::vector<ImportedMesh> mesh_facts;    // of the walls with a mesh file, in the same order
-  std::vector<scene::ShapedBody> shaped;   // bodies whose mass follows from their shapes
-  std::vector<BodyMesh> drawn;             // shapes with use `graphics`, by their own names
-  std::vector<protocol::NamedText> files;  // of the particle groups with a file, also of those placed
+  std::vector<ImportedMesh> mesh_facts;   // of the walls with a mesh file, in the same order
+  std::vector<scene::ShapedBody> shaped;  // bodies whose mass follows from their shapes
+  std::vector<BodyMesh> drawn;            // shapes with use `graphics`, by their own names
+  // Of the particle groups with a file, also of those placed; and the particles of fills of the liquid.
+  std::vector<protocol::NamedText> files;
   std::vector<PlacedGroup> placed;
   std::optional<SettledBed> settled;
-  std::vector<std::string> log;  // of settling and of its cache
+  std::vector<std::string> log;  // of settling, of filling in a liquid, and of their cache
   // Every file and folder from which this was read, the scene first.
   std::vector<std::filesystem::path> inputs;
 };
 
-// Throws every error of the scene and of the files that it names. Places the spheres, and lets them settle;
-// without `on` they are not placed.
+// Throws every error of the scene and of the files that it names. Places the spheres, lets them settle, and
+// fills the liquid in; without `on` none of them is placed.
 SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrides = {},
                      const std::optional<SettleOn>& on = SettleOn{});
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "launch/coordinator/settle.hpp"
+#include "launch/coordinator/start_cache.hpp"
 
 namespace tandem::launch {
 
@@ -26,29 +27,17 @@ struct CachedBed {
   std::vector<PlacedGroup> placed;
 };
 
+// See StartCache.
 class SettleCache {
  public:
-  // In the folder that TANDEM_CACHE names, or in `tandem` of XDG_CACHE_HOME or of ~/.cache; none where
-  // TANDEM_CACHE is `off`. TANDEM_CACHE_MB limits its size (2000). Throws Error{usage} where that is no
-  // number.
-  SettleCache();
-  // With `folder` and limit [bytes].
-  SettleCache(std::filesystem::path folder, std::uint64_t limit)
-      : folder_(std::move(folder)), limit_(limit) {}
+  SettleCache() = default;
+  SettleCache(std::filesystem::path folder, std::uint64_t limit) : files_(std::move(folder), limit) {}
 
-  // Nothing where it is not there, or is damaged: that is removed, and a sentence says it. Nothing with a
-  // sentence where the folder or the file belongs to another user, or others can write it.
   std::optional<CachedBed> find(const SettleKey& key, std::vector<std::string>& log) const;
-  // Beds that were not used for the longest time are removed first, until all have room. A sentence says
-  // where the bed could not be kept; the run does not need it.
   void keep(const SettleKey& key, const CachedBed& bed, std::vector<std::string>& log) const;
 
  private:
-  std::filesystem::path path_of(const SettleKey& key) const { return folder_ / key.name(); }
-  void make_room(std::uint64_t bytes, std::vector<std::string>& log) const;
-
-  std::filesystem::path folder_;  // empty: there is none
-  std::uint64_t limit_ = 0;       // [bytes]
+  StartCache files_;
 };
 
 }  // namespace tandem::launch

@@ -38,7 +38,7 @@ Frame start_of(const SceneFile& file) {
   if (!file.scene.sph) return frame;
   const scene::Sph& sph = *file.scene.sph;
   const std::size_t group = file.scene.dem ? file.scene.dem->particles.size() : 0;
-  for (const Vec3d p : sph::start_of_liquid(file.scene, file.meshes).position)
+  for (const Vec3d p : sph::start_of_liquid(file.scene, file.meshes, sph::places_in(file.files)).position)
     add(p, 0.5 * sph.spacing, group);
   return frame;
 }

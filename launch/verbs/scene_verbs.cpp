@@ -33,7 +33,10 @@ struct Start {
   bool files_only = false;
 
   SceneFile read(const std::string& path) const {
-    return read_scene(path, {}, SettleOn{.backend = options.backend, .settles = !files_only});
+    return read_scene(
+        path, {},
+        SettleOn{
+            .backend = options.backend, .settles = !files_only, .fills = !options.sph_server.has_value()});
   }
   std::optional<DryRun> run(const SceneFile& file) {
     if (files_only) return {};
@@ -80,6 +83,7 @@ void add_validate(CLI::App& app, int& status) {
         const bool named = std::string_view(error.what()).find(path) != std::string_view::npos;
         fmt::print(stderr, "error: {}{}\n", named ? "" : path + ": ", error.what());
         status = exit_status(error.code());
+        if (error.code() == ErrorCode::interrupted) return;  // nor are the other scenes looked at
       }
       fmt::print("{}", said);
       std::fflush(stdout);

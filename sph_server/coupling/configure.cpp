@@ -88,7 +88,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         sph.micro_step ? "sph.micro_step" : "sph.spacing", "enlarge it, or shorten the window");
   for (const std::string& sentence : start.warnings) warn(sentence);
   const std::size_t predicted = check_memory(start);
-  const LiquidState liquid_now = particles_of(start, scene_);
+  const LiquidState liquid_now = particles_of(start, scene_, places_in(configuration.files));
   at_start_ = static_cast<std::uint32_t>(liquid_now.size());
   id_.resize(at_start_);
   std::iota(id_.begin(), id_.end(), 0u);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/scene/particle_file.hpp"
 #include "particles/serving/boundary.hpp"
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/limits.hpp"
@@ -165,9 +166,17 @@ LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh
   return start;
 }
 
-LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene) {
+PlacesByFill places_in(const std::vector<protocol::NamedText>& files) {
+  PlacesByFill places;
+  for (const protocol::NamedText& file : files)
+    if (file.name.starts_with("sph."))
+      places[file.name] = scene::read_particle_file(file.text, file.name).positions;
+  return places;
+}
+
+LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene, const PlacesByFill& places) {
   LiquidState state =
-      liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses, start.velocity);
+      liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses, start.velocity, places);
   refuse_coinciding_walls(state.position, start.walls, start.inlets, start.setup, start.poses, scene);
   return state;
 }

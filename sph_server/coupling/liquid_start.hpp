@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
+#include "protocol/messages.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/io/body_walls.hpp"
 #include "sph_server/io/fill.hpp"
@@ -30,11 +31,16 @@ struct LiquidStart {
 // that check_start() and insides_of() refuse. `meshes`: of the walls with a mesh, by name.
 LiquidStart prepare_start(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
 
-// Its particles. Error{scene} as liquid_at_start() and refuse_coinciding_walls().
-LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene);
+// The places of fills that were computed before, among the files of a configuration.
+PlacesByFill places_in(const std::vector<protocol::NamedText>& files);
 
-inline LiquidState start_of_liquid(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
-  return particles_of(prepare_start(scene, meshes), scene);
+// Its particles. Error{scene} as liquid_at_start() and refuse_coinciding_walls().
+LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene,
+                         const PlacesByFill& places = {});
+
+inline LiquidState start_of_liquid(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
+                                   const PlacesByFill& places = {}) {
+  return particles_of(prepare_start(scene, meshes), scene, places);
 }
 
 }  // namespace tandem::sph

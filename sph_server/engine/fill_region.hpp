@@ -1,39 +1,46 @@
 // A liquid at rest below a level inside a closed mesh, at the start of a run.
 #pragma once
 
-#include <optional>
+#include <functional>
 
+#include "sph_server/engine/fill_amount.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 
 namespace tandem::sph {
 
-// The level lies perpendicular to gravity, `height` above the lowest point of the region; or it is where the
-// liquid has the `volume`. Exactly one of them is given.
-struct FillAmount {
-  std::optional<double> height;  // [m]
-  std::optional<double> volume;  // [m3]
-  // By how much the volumes of the solids that were taken out of the region exceed that of their union [m3].
-  double common = 0;
+// A region that is filled. Walls: those of a setup with their poses; they enclose the region, up to the level
+// at least.
+struct Filling {
+  // In world axes, closed up to the level; where it has cavities, their triangles are wound the other way.
+  TriangleMesh region;
+  FillAmount amount;
+  Mat3d axes = Mat3d::identity();  // of the region, which the lattice follows as far as gravity lets it
 };
 
-// Volume of the part of a closed mesh where dot(x, up) < level [m3]. up: a unit vector.
-double volume_below(const TriangleMesh& region, Vec3d up, double level);
+// Called after each step of the relaxation: done of all. What it throws ends the filling.
+using AfterStep = std::function<void(int done, int all)>;
 
-// Depth of the liquid: of its level above the lowest point of the region [m]. gravity: not zero.
-// Error{scene} as fill_region.
-double depth_of(const TriangleMesh& region, Vec3d gravity, const FillAmount& amount);
+struct FilledPlaces {
+  std::vector<Vec3d> position;  // [m]
+  double surface = 0;           // height against gravity [m]
+  bool relaxed = false;         // false: the lattice fits between the walls
+};
 
-// Particles that fill the region up to the level, at rest under the hydrostatic pressure that their
-// compression states. Their number is that of the liquid's mass. Where a cubic lattice fits between the
-// walls, as in a box of whole spacings, it is taken; elsewhere the particles are packed under a lid until
-// walls and particles fill the space evenly (LiquidEngine::pack). Walls: those of `setup` with these poses;
-// they enclose the region, up to the level at least. region: in world axes, closed up to the level; where it
-// has cavities, their triangles are wound the other way.
-// Error{scene} without gravity, for a mesh that is open below the level, for an amount that is not in the
-// mesh, and for less than one particle.
-// axes: of the region, which the lattice follows as far as gravity lets it.
+// Places of the particles. Where a lattice up to the level fits between the walls, as in a box of whole
+// spacings, it is taken, its layers as much closer together as the column of liquid is compressed. Elsewhere
+// a lattice is cut at the walls (cut_lattice.hpp), and the particles are relaxed on the back end of
+// the setup under a lid at their surface: always as many steps, so that the time is known beforehand, first
+// under a high pressure that spreads them evenly, then under a low one, against which walls repel those that
+// came too near to them. The places are the same for every back end and number of threads.
+// Error{scene} as filled_part() and cut_lattice(), and where particles pass a wall.
+FilledPlaces fill_places(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
+                         const Filling& filling, const AfterStep& after_step = {});
+
+// The liquid at rest with places that were relaxed, under the hydrostatic pressure that its compression
+// states. Error{scene} as filled_part(), Error{protocol} where their number is not that of its mass.
+LiquidState at_rest_in(const LiquidSetup& setup, const Filling& filling, const std::vector<Vec3d>& places);
+
 LiquidState fill_region(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
-                        const TriangleMesh& region, const FillAmount& amount,
-                        const Mat3d& axes = Mat3d::identity());
+                        const Filling& filling);
 
 }  // namespace tandem::sph

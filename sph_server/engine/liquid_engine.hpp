@@ -101,6 +101,13 @@ struct LostParticles {
   double energy = 0;                 // kinetic and of compression [J]
 };
 
+// Steps under the same pressure for all particles, without gravity.
+struct Packing {
+  double pressure = 0;  // in units of rho0 c0^2 [-]
+  double damping = 1;   // factor of the velocities in each step [-]
+  int steps = 0;        // each as long as step_limits() allows at the speed of sound
+};
+
 class LiquidEngine {
  public:
   virtual ~LiquidEngine() = default;
@@ -121,10 +128,9 @@ class LiquidEngine {
   // poses. Rates are computed at once. The next step has no step before it, as the first one.
   virtual void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
                         const std::vector<particles::BodyPose>& poses) = 0;
-  // Moves particles apart under the same pressure [Pa] for all, without gravity and with velocities reduced
-  // to a part `damping` in each step, until walls and particles fill the space evenly. Steps are of dt [s],
-  // or what step_limits() allows where that is less.
-  virtual void pack(double pressure, double dt, double damping, int steps) = 0;
+  // Moves particles apart until walls and particles fill the space evenly. after_step(k) is called after step
+  // k. Error{numerics} where a particle leaves the domain.
+  virtual void pack(const Packing& how, const std::function<void(int)>& after_step) = 0;
   // Force of the liquid on each body and its torque about the origin of the body, at the current state. Where
   // walls of two bodies meet, the loads include what each exerts on the other through the ghost liquid behind
   // them; their sum is the exact opposite of the force on the liquid.

@@ -130,21 +130,23 @@ class LiquidEngineOf final : public LiquidEngine {
 
   const std::vector<particles::BodyPose>& poses() const override { return walls_.poses(); }
 
-  void pack(double pressure, double dt, double damping, int steps) override {
-    advance_.packing_pressure = pressure;
-    advance_.damping = damping;
+  void pack(const Packing& how, const std::function<void(int)>& after_step) override {
+    const Liquid& l = setup_.liquid;
+    advance_.packing_pressure = how.pressure * l.density * l.sound_speed * l.sound_speed;
+    advance_.damping = how.damping;
     rates_.properties.gravity = {};
     rates_.walls.continued = false;
     keeps_all_ = true;
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
-    for (int k = 0; k < steps; ++k)
-      step(
-          std::min(
-              dt, step_limits(setup_.liquid, figures_.largest_speed, figures_.largest_acceleration).smallest),
-          poses());
-    rates_.properties.gravity = setup_.liquid.gravity;
+    for (int k = 0; k < how.steps; ++k) {
+      step(step_limits(l, std::max(l.sound_speed, figures_.largest_speed), figures_.largest_acceleration)
+               .smallest,
+           poses());
+      after_step(k);
+    }
+    rates_.properties.gravity = l.gravity;
     rates_.walls.continued = true;
     keeps_all_ = false;
     advance_.packing_pressure = 0;

@@ -27,5 +27,10 @@ inline double depth_at_rest(const Liquid& l, double height) {
   const double c2 = l.sound_speed * l.sound_speed, g = norm(l.gravity);
   return c2 / (6 * g) * std::expm1(6.0 / 7 * std::log1p(7 * g * height / c2));
 }
+// Its inverse [m].
+inline double height_at_rest(const Liquid& l, double depth) {
+  const double c2 = l.sound_speed * l.sound_speed, g = norm(l.gravity);
+  return c2 / (7 * g) * std::expm1(7.0 / 6 * std::log1p(6 * g * depth / c2));
+}
 
 }  // namespace tandem::sph

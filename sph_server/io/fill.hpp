@@ -1,6 +1,7 @@
 // The particles of a liquid at the start.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -48,14 +49,10 @@ LiquidState fill_of(const Sites& sites, const scene::Liquid& liquid, const Liqui
                     Vec3d velocity);
 
 // A region that the liquid fills up to a level: the inside of a wall.
-struct FilledInside {
-  std::size_t fill = 0;  // place in Liquid::fill
-  // In the world, without the insides of closed walls that are in it.
-  TriangleMesh region;
-  FillAmount amount;
-  Mat3d axes = Mat3d::identity();  // of the wall, in the world
-  double depth = 0;                // [m]
-  std::size_t particles = 0;       // volume / spacing^3
+struct FilledInside : Filling {  // without the insides of closed walls that are in the region
+  std::size_t fill = 0;          // place in Liquid::fill
+  double depth = 0;              // [m]
+  std::size_t particles = 0;     // volume / spacing^3
 };
 // Error{scene} where the amount is not in the wall, where it is open below the level, and where another wall
 // passes through it there.
@@ -64,12 +61,20 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
 // Is x in that liquid? up: against gravity.
 bool is_below(const FilledInside& filled, Vec3d x, Vec3d up);
 
+// Places of the particles of one of them, in `setup` with these poses of its walls. Error{scene} as
+// fill_places().
+FilledPlaces places_of(const FilledInside& filled, const LiquidSetup& setup,
+                       const std::vector<particles::BodyPose>& poses, const AfterStep& after_step = {});
+// By place_of_fill(); those that are not there are computed.
+using PlacesByFill = std::map<std::string, std::vector<Vec3d>>;
+
 // All particles at the start: those of the boxes, then those of each inside, in the order of the fills.
-// `sites`: of the boxes; poses: of the walls of `setup`. Error{scene} as fill_region, and where two fills
+// `sites`: of the boxes; poses: of the walls of `setup`. Error{scene} as fill_places(), and where two fills
 // overlap.
 LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
                             const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                            const std::vector<particles::BodyPose>& poses, Vec3d velocity);
+                            const std::vector<particles::BodyPose>& poses, Vec3d velocity,
+                            const PlacesByFill& places);
 
 // Place of an entry of the fills of the liquid, for messages.
 std::string place_of_fill(std::size_t fill);

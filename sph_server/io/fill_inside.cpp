@@ -187,7 +187,8 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
                     place_of_fill(k), "give a level between them");
       filled.amount.height = *inside->level - low;
     } else {
-      filled.amount.volume = inside->volume;
+      filled.amount.volume = inside->mass ? *inside->mass / sph.liquids.front().density : inside->volume;
+      filled.amount.mass = inside->mass;
     }
     // The volume is that of the liquid alone; a wall that is in it raises the level.
     const auto depth = [&] {
@@ -227,16 +228,25 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
   return all;
 }
 
+FilledPlaces places_of(const FilledInside& filled, const LiquidSetup& setup,
+                       const std::vector<particles::BodyPose>& poses, const AfterStep& after_step) {
+  return placed_at(filled.fill, [&] { return fill_places(setup, poses, filled, after_step); });
+}
+
 LiquidState liquid_at_start(const scene::Scene& scene, const Sites& sites,
                             const std::vector<FilledInside>& insides, const LiquidSetup& setup,
-                            const std::vector<particles::BodyPose>& poses, Vec3d velocity) {
+                            const std::vector<particles::BodyPose>& poses, Vec3d velocity,
+                            const PlacesByFill& places) {
   const scene::Liquid& liquid = scene.sph->liquids.front();
   LiquidState all = fill_of(sites, liquid, setup.liquid, velocity);
   std::vector<std::size_t> from(all.size(),
                                 liquid.fill.size());  // fill of each particle, that of boxes unknown
   for (const FilledInside& filled : insides) {
-    const LiquidState part = placed_at(
-        filled.fill, [&] { return fill_region(setup, poses, filled.region, filled.amount, filled.axes); });
+    const auto given = places.find(place_of_fill(filled.fill));
+    const LiquidState part = placed_at(filled.fill, [&] {
+      return given != places.end() ? at_rest_in(setup, filled, given->second)
+                                   : fill_region(setup, poses, filled);
+    });
     all.position.insert(all.position.end(), part.position.begin(), part.position.end());
     all.compression.insert(all.compression.end(), part.compression.begin(), part.compression.end());
     all.velocity.resize(all.size(), velocity);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "sph_server/engine/fill_region.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/state.hpp"
 #include "sph_server/equations/time_step.hpp"
@@ -232,6 +233,23 @@ TEST(LiquidOnCuda, LosesParticlesAsTheCpuDoes) {
     EXPECT_EQ(cuda->state().size(), c.start.size() - lost);
     expect_equal(*cpu, *cuda);
   }
+}
+
+// A mug with eight sides, which no lattice fits.
+TEST(LiquidOnCuda, FillsAsTheCpuDoes) {
+  LiquidSetup setup;
+  setup.liquid.spacing = 0.01;
+  setup.liquid.gravity = {0, 0, -g};
+  setup.liquid.sound_speed = suggested_sound_speed(0, g, 0.083);
+  const Pose middle{{0, 0, 0.06}, {}};
+  setup.walls = {transformed(cylinder_mesh(0.05, 0.12, 8, {"+z"}), middle)};
+  setup.domain = {{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.2}};
+  const std::vector<particles::BodyPose> poses{{{}, Mat3d::identity(), {}, {}}};
+  const Filling filling{transformed(cylinder_mesh(0.05, 0.12, 8), middle), {0.083, {}}};
+  const FilledPlaces on_cpu = fill_places(setup, poses, filling);
+  setup.backend = Backend::cuda;
+  EXPECT_TRUE(on_cpu.relaxed);
+  EXPECT_EQ(fill_places(setup, poses, filling).position, on_cpu.position);
 }
 
 }  // namespace liquid_back_ends_test

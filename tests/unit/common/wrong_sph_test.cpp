@@ -134,9 +134,11 @@ const WrongScene wrong_sph[] = {
      "has "
      "1000 kg/m3)"},
     {"InsideWithoutAmount", INSIDE(R"("wall": "tub")"),
-     "sph.liquids[0].fill[0]: the fill has neither level nor volume (give one of them)"},
+     "sph.liquids[0].fill[0]: the fill has neither level nor volume nor mass (give one of them)"},
     {"InsideWithBoth", INSIDE(R"("wall": "tub", "level": 0.1, "volume": 1)"),
      "sph.liquids[0].fill[0]: the fill has a level and a volume (give one of them)"},
+    {"InsideWithLevelAndMass", INSIDE(R"("wall": "tub", "level": 0.1, "mass": 1)"),
+     "sph.liquids[0].fill[0]: the fill has a level and a mass (give one of them)"},
     {"InsideOfNoWall", INSIDE(R"("wall": "tup", "level": 0.1)"),
      "sph.liquids[0].fill[0].wall: there is no wall 'tup' (did you mean 'tub'?)"},
     {"InsideOfAPlane", INSIDE(R"("wall": "floor", "level": 0.1)"),

@@ -26,7 +26,7 @@ struct OpenBox {
     setup.domain = {{-0.1, -0.1, -0.1}, {1.1, 0.6, 1.5}};
   }
   LiquidState fill(const FillAmount& amount) const {
-    return fill_region(setup, {{{}, Mat3d::identity(), {}, {}}}, region, amount);
+    return fill_region(setup, {{{}, Mat3d::identity(), {}, {}}}, {region, amount});
   }
 };
 

@@ -79,6 +79,15 @@ TEST(LiquidStart, TheInsideOfAWallIsFilledUpToALevelOrByAVolume) {
     apart = std::max(apart, nearest);
   }
   expect_start("largest distance of a particle filled by volume [m]", 0, apart, 1e-12);
+  fill_of(scene)[0].erase("volume");
+  fill_of(scene)[0]["mass"] = 1000 * 0.4 * 0.2 * 0.16;
+  EXPECT_TRUE(particles(scene).position == by_volume.position);
+  fill_of(scene)[0]["mass"] = 40;
+  EXPECT_EQ(
+      refusal(scene),
+      "scene: sph.liquids[0].fill[0]: a mass of 40 kg and so a volume of 0.04 m3 in a region of 0.024 m3 "
+      "(give a volume above 0 and of at most that of the region)");
+  fill_of(scene)[0].erase("mass");
   // A box of the same size is the same liquid.
   fill_of(scene)[0] = {{"type", "box"}, {"min", {-0.2, -0.1, 0}}, {"max", {0.2, 0.1, 0.16}}};
   const sph::LiquidState box = particles(scene);
@@ -224,7 +233,7 @@ TEST(LiquidStart, RefusesWallsThatLieOnEachOtherInTheLiquid) {
   };
   EXPECT_EQ(beside(box_wall("plate", {0, 0, -0.05}, {0.8, 0.8, 0.1})),
             "scene: sph.walls: wall 'vat' of 'tank' and wall 'plate' of 'ground' lie on each other at "
-            "[0.0725, -0.0275, "
+            "[-0.186464, -0.0864645, "
             "0] m, where the liquid sees them: both would act on it (leave one of them out there, as by "
             "'open' faces "
             "of a box or a cylinder, or put the one that the liquid touches a hundredth of a spacing in "

@@ -19,7 +19,7 @@ inline std::unique_ptr<sph::LiquidEngine> make_engine(sph::LiquidSetup setup, bo
 inline sph::LiquidState fill(sph::LiquidSetup setup, const std::vector<particles::BodyPose>& poses,
                              const TriangleMesh& region, const sph::FillAmount& amount) {
   setup.backend = tested_backend();
-  return sph::fill_region(setup, poses, region, amount);
+  return sph::fill_region(setup, poses, {region, amount});
 }
 
 }  // namespace tandem::test
