@@ -540,9 +540,9 @@ class LiquidEngineOf final : public LiquidEngine {
     body_sums_.resize(walls_.bodies());
     const bool several = walls_.bodies() > 1;  // whose edges may meet
     const Tally sum = exec_.template reduce<Tally>(
-        body_sums_, Part{count(), SumRatesInside<Real, shifting>{rates_}},
-        Part{beside_walls_, SumRatesBesideWalls<Real, shifting>{rates_, beside_wall_.data()}},
-        Part{several ? facets_.total : 0, edges_});
+        body_sums_, SumOver{count(), SumRatesInside<Real, shifting>{rates_}},
+        SumOver{beside_walls_, SumRatesBesideWalls<Real, shifting>{rates_, beside_wall_.data()}},
+        SumOver{several ? facets_.total : 0, edges_});
     if (sum.burst != 0)
       throw Error(ErrorCode::numerics,
                   "the liquid flies apart: forces between two particles are beyond any that a liquid of this "

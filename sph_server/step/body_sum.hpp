@@ -29,7 +29,7 @@ struct BodySum {
 
 // What a back end sums up over i < n.
 template <class F>
-struct Part {
+struct SumOver {
   std::uint32_t n = 0;
   F f;
 };

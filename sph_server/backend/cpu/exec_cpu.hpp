@@ -92,7 +92,7 @@ class CpuExec : public particles::HostExec {
   }
   // The same for one part after the other, f(i, tally, bodies) for i < n of each, with sums for each body.
   template <class Tally, class... F>
-  Tally reduce(std::vector<BodySum>& of_bodies, Part<F>... parts) {
+  Tally reduce(std::vector<BodySum>& of_bodies, SumOver<F>... parts) {
     std::vector<Tally> tallies(pool_->size());
     std::vector<BodySums> bodies(pool_->size(), BodySums{std::vector<BodySum>(of_bodies.size())});
     const auto add = [&](const auto& part) {

@@ -235,7 +235,7 @@ class CudaExec : public particles::DeviceExec {
     return joined(n, of_block);
   }
   template <class Tally, class... F>
-  Tally reduce(std::vector<BodySum>& of_bodies, Part<F>... parts) {
+  Tally reduce(std::vector<BodySum>& of_bodies, SumOver<F>... parts) {
     static_assert(sizeof(BodySum) == 6 * sizeof(std::int64_t));
     Tally* const of_block = tallies<Tally>(sizeof...(parts));
     grow(of_body_, std::max<std::size_t>(1, of_bodies.size()) * 6);
