@@ -160,7 +160,11 @@ class Coarsening {
     for (const Triangle3& t : c.after) {
       for (int k = 1; k < parts; ++k)
         if (!is_near(t.a + (1.0 * k / parts) * (t.b - t.a))) return false;
-      if (!is_near(1.0 / 3 * (t.a + t.b + t.c))) return false;
+      const int across = std::max(3, parts / 2);
+      for (int i = 1; i + 1 < across; ++i)
+        for (int j = 1; i + j < across; ++j)
+          if (!is_near(t.a + (1.0 * i / across) * (t.b - t.a) + (1.0 * j / across) * (t.c - t.a)))
+            return false;
     }
     return true;
   }
@@ -208,11 +212,17 @@ class Coarsening {
 CoarseMesh coarsened(const TriangleMesh& mesh, double deviation) {
   if (!degenerate_triangles(mesh).empty()) return {mesh, 0};
   const TriangleMesh joined = welded(mesh, 1e-5 * deviation);
-  Coarsening coarsening(joined, deviation);
-  coarsening.run();
-  CoarseMesh coarse = coarsening.result();
-  if (coarse.mesh.triangles.size() == mesh.triangles.size()) return {mesh, 0};
-  return coarse;
+  // Collapses look at points of the surfaces; in between they may be farther apart, as rough surfaces are.
+  double limit = 0.95 * deviation;
+  for (int tries = 0; tries < 4; ++tries) {
+    Coarsening coarsening(joined, limit);
+    coarsening.run();
+    CoarseMesh coarse = coarsening.result();
+    if (coarse.mesh.triangles.size() == mesh.triangles.size()) break;
+    if (coarse.deviation <= deviation) return coarse;
+    limit *= 0.95 * deviation / coarse.deviation;
+  }
+  return {mesh, 0};
 }
 
 }  // namespace tandem

@@ -272,7 +272,8 @@ TEST(WashingMachineScene, MovesLikeTheRigidBodyModel) {
   const double window = scene.coupling.window;
   const int windows = static_cast<int>(std::round(scene.end_time / window));
   const auto& motor = std::get<scene::Motor>(scene.mbd->forces.back());
-  const scene::MotionFunction programme(motor.target, scene::FunctionOf::force);
+  // The target of a speed is a coordinate: its table begins and ends at rest.
+  const scene::MotionFunction programme(motor.target, scene::FunctionOf::coordinate);
   const Configuration rest = model.equilibrium();
   const Motion exact = integrate(
       model, rest, [&](double t) { return programme.at(t).value; }, window, windows, 10);
