@@ -367,7 +367,8 @@ std::string describe_dem(const SceneFile& file, const DryRun* started) {
 }
 
 // What the solver of the liquid has reported of the scene.
-std::string liquid_facts(const DryRun& started) {
+// window, end_time: of the scene [s].
+std::string liquid_facts(const DryRun& started, double window, double end_time) {
   const protocol::SphFacts& facts = started.facts.sph;
   std::vector<std::string> parts;
   if (facts.particles) parts.push_back(fmt::format("{} particles", *facts.particles));
@@ -376,6 +377,13 @@ std::string liquid_facts(const DryRun& started) {
   if (facts.longest_step) parts.push_back(fmt::format("step {:.6g} s", *facts.longest_step));
   if (facts.steps_per_window) parts.push_back(fmt::format("{} in a window", *facts.steps_per_window));
   if (facts.predicted_memory) parts.push_back(fmt::format("{:.3g} MB", *facts.predicted_memory));
+  if (facts.wall_facets) parts.push_back(fmt::format("{} triangles of walls", *facts.wall_facets));
+  if (facts.beside_walls) parts.push_back(fmt::format("{} particles beside them", *facts.beside_walls));
+  if (facts.rates_seconds && facts.steps_per_window) {
+    const double steps = static_cast<double>(*facts.steps_per_window) * std::ceil(end_time / window);
+    parts.push_back(fmt::format("at least {:.2g} s for the {:.3g} steps of the run",
+                                *facts.rates_seconds * steps, steps));
+  }
   if (parts.empty()) return "particles and step are not reported by " + started.sph_program;
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -429,7 +437,7 @@ std::string describe_sph(const SceneFile& file, const DryRun* started) {
   return liquids.print() + inlets.print() + table_of("outlets of the liquid", sph.outlets).print() +
          sensors.print() + walls.print() + (scene.dem ? "" : describe_meshes(file.mesh_facts)) +
          fmt::format("\nspacing: {:.6g} m\n", sph.spacing) +
-         (started ? "solver: " + liquid_facts(*started) + "\n" : "");
+         (started ? "solver: " + liquid_facts(*started, scene.coupling.window, scene.end_time) + "\n" : "");
 }
 
 }  // namespace

@@ -126,6 +126,11 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   facts.longest_step = step_at_rest();
   facts.steps_per_window =
       static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / step_at_rest() * (1 - 1e-12)));
+  facts.wall_facets.emplace();
+  for (const TriangleMesh& mesh : start.setup.walls) *facts.wall_facets += mesh.triangles.size();
+  const StartCost cost = engine_->start_cost();
+  facts.beside_walls = cost.beside_walls;
+  facts.rates_seconds = cost.rates_seconds;
   facts.warnings = warnings_;  // also here, since a run that fails requests no report
   nlohmann::ordered_json others;
   others["spacing_m"] = properties_.spacing;

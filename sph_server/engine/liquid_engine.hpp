@@ -94,6 +94,12 @@ struct StepFigures {
   std::uint64_t passed_walls = 0;   // particles that passed a wall since the start
 };
 
+// What a step costs, as set_state() found it.
+struct StartCost {
+  std::uint32_t beside_walls = 0;  // particles with facets in their lists
+  double rates_seconds = 0;        // wall time of the rates of all particles [s]
+};
+
 // Particles that left the domain and were taken out.
 struct LostParticles {
   std::vector<std::uint32_t> index;  // ascending, as they were numbered before
@@ -144,6 +150,7 @@ class LiquidEngine {
   double volume() const { return totals().volume; }     // sum of m/rho of the particles [m3]
   virtual EnergyBalance energies() const = 0;
   virtual StepFigures figures() const = 0;
+  virtual StartCost start_cost() const = 0;
 
   // One copy of the whole state in memory. restore() may be called more than once per save().
   virtual void save() = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <span>
 #include <string>
@@ -80,7 +81,10 @@ class LiquidEngineOf final : public LiquidEngine {
     // The tension that particles bear follows from what fills their kernels.
     sum_rates();
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
+    const auto begin = std::chrono::steady_clock::now();
     sum_rates();
+    start_cost_ = {beside_walls_,
+                   std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
     begin_steps();
     work_ = {};
   }
@@ -201,6 +205,7 @@ class LiquidEngineOf final : public LiquidEngine {
   }
 
   StepFigures figures() const override { return figures_; }
+  StartCost start_cost() const override { return start_cost_; }
 
   void save() override;
   void restore() override;
@@ -614,6 +619,7 @@ class LiquidEngineOf final : public LiquidEngine {
   Work work_;
   double last_dt_ = 0;  // [s]
   StepFigures figures_;
+  StartCost start_cost_;
 
   // See save().
   struct Copy {
