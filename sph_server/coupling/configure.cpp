@@ -55,7 +55,6 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   start.setup.backend = backend;
   start.setup.threads = configuration.threads;
   const std::vector<BodyWalls>& walls = start.walls;
-  for (const std::string& sentence : start.coarsened) log::info("{}", sentence);
   properties_ = start.setup.liquid;
   vessel_ = start.setup.vessel;
   follows_ = start.setup.follows;
@@ -120,6 +119,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (properties_.viscosity == 0 && properties_.artificial == 0)
     left_out.emplace_back("viscosity of the liquid: it has none");
   left_out.emplace_back("surface tension of the liquid");
+  left_out.insert(left_out.end(), start.coarsened.begin(), start.coarsened.end());
   if (scene_.dem)
     left_out.emplace_back("forces between grains and liquid: each is as if the other was not there");
   facts.sound_speed = properties_.sound_speed;

@@ -65,9 +65,9 @@ std::vector<NamedMesh> wall_meshes(const scene::Sph& sph, const std::vector<Name
     if (of == given.end()) continue;
     CoarseMesh coarse = coarsened(of->mesh, deviation_of(sph));
     if (coarse.mesh.triangles.size() < of->mesh.triangles.size())
-      sentences.push_back(fmt::format(
-          "wall '{}': {} of its {} triangles are left for the liquid, at most {:.2g} m off the mesh given",
-          wall.name, coarse.mesh.triangles.size(), of->mesh.triangles.size(), coarse.deviation));
+      sentences.push_back(
+          fmt::format("details of wall '{}' below {:.2g} m: {} of its {} triangles remain for the liquid",
+                      wall.name, coarse.deviation, coarse.mesh.triangles.size(), of->mesh.triangles.size()));
     all.push_back({wall.name, std::move(coarse.mesh)});
   }
   return all;

@@ -60,7 +60,7 @@ TEST(WallMeshes, OfTheLiquidAreCoarseAndSaySo) {
   EXPECT_LT(coarse[0].mesh.triangles.size(), 120u);
   EXPECT_NEAR(volume(coarse[0].mesh), volume(fine), 1e-12);
   ASSERT_EQ(sentences.size(), 1u);
-  EXPECT_EQ(sentences[0].find("wall 'tank': "), 0u) << sentences[0];
+  EXPECT_EQ(sentences[0].find("details of wall 'tank' below "), 0u) << sentences[0];
   sph.wall_deviation = 1e-4;
   sentences.clear();
   EXPECT_EQ(wall_meshes(sph, {{"tank", fine}}, sentences)[0].mesh.triangles.size(), fine.triangles.size());
