@@ -2,6 +2,8 @@
 // returns in between, as the acceleration of a ramp does, would have no effect.
 #pragma once
 
+#include <cmath>
+
 #include "common/math/piecewise_polynomial.hpp"
 
 namespace tandem {
