@@ -45,21 +45,21 @@ class LiquidEngineOf final : public LiquidEngine {
     centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, setup.follows ? 10 : 4);
     pairs_.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
-    place_.support = select_.support = setup.liquid.support();
+    mark_.support = backs_.support = setup.liquid.support();
     see_.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     rates_.properties = setup.liquid;
-    rates_.peak = Kernel<double>::of_support(setup.liquid.support()).peak;
-    rates_.walls.wall = WallConstants::of(setup.liquid);
-    rates_.walls.repulsion = WallRepulsion::of(setup.liquid);
-    rates_.walls.kernel = see_.kernel;
-    rates_.walls.mass = setup.liquid.mass();
+    rates_.peak = wall_sums_.peak = Kernel<double>::of_support(setup.liquid.support()).peak;
+    wall_sums_.wall = WallConstants::of(setup.liquid);
+    wall_sums_.repulsion = WallRepulsion::of(setup.liquid);
+    wall_sums_.kernel = see_.kernel;
+    wall_sums_.mass = setup.liquid.mass();
     edges_.kernel = see_.kernel;
-    edges_.wall = rates_.walls.wall;
+    edges_.wall = wall_sums_.wall;
     edges_.mass = setup.liquid.mass();
     edges_.spacing = setup.liquid.spacing;
     advance_.periods = setup_.periods;
     advance_.properties = setup.liquid;
-    place_.centres = select_.centres = see_.centres = rates_.walls.centres = edges_.centres =
+    mark_.centres = place_.centres = backs_.centres = see_.centres = wall_sums_.centres = edges_.centres =
         advance_.centres = centres_;
   }
 
@@ -139,7 +139,7 @@ class LiquidEngineOf final : public LiquidEngine {
     advance_.packing_pressure = how.pressure * l.density * l.sound_speed * l.sound_speed;
     advance_.damping = how.damping;
     rates_.properties.gravity = {};
-    rates_.walls.continued = false;
+    wall_sums_.continued = false;
     keeps_all_ = true;
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
@@ -151,7 +151,7 @@ class LiquidEngineOf final : public LiquidEngine {
       after_step(k);
     }
     rates_.properties.gravity = l.gravity;
-    rates_.walls.continued = true;
+    wall_sums_.continued = true;
     keeps_all_ = false;
     advance_.packing_pressure = 0;
     advance_.damping = 1;
@@ -390,15 +390,19 @@ class LiquidEngineOf final : public LiquidEngine {
   void use_arrays() {
     liquid_ = memory_.view(count_);
     liquid_.neighbours = neighbours_.view();
-    arrays_ = {facets_.view(), particle_.data(), in_support_.data(), near_count_.data(),
+    arrays_ = {facets_.view(), particle_.data(), place_of_facet_.data(), near_count_.data(),
                near_.data(),   seen_.data(),     by_pressure_.data()};
-    pairs_.liquid = place_.liquid = select_.liquid = see_.liquid = rates_.liquid = rates_.walls.liquid =
-        edges_.liquid = advance_.liquid = liquid_;
-    place_.arrays = select_.arrays = see_.arrays = rates_.walls.arrays = edges_.arrays = arrays_;
-    place_.walls = rates_.walls.walls = edges_.walls = device_walls_.view();
-    select_.surface = place_.walls.surface;
+    pairs_.liquid = mark_.liquid = place_.liquid = backs_.liquid = see_.liquid = rates_.liquid =
+        wall_sums_.liquid = edges_.liquid = advance_.liquid = liquid_;
+    mark_.arrays = number_.arrays = place_.arrays = backs_.arrays = see_.arrays = wall_sums_.arrays =
+        edges_.arrays = arrays_;
+    mark_.walls = place_.walls = wall_sums_.walls = edges_.walls = device_walls_.view();
+    backs_.surface = place_.walls.surface;
+    number_.beside_wall = backs_.beside_wall = wall_sums_.beside_wall = beside_wall_.data();
     pairs_.result = sums_.data();
-    rates_.pairs = sums_.data();
+    rates_.pairs = wall_sums_.pairs = sums_.data();
+    rates_.walls = wall_sums_.result = of_walls_.data();
+    rates_.before = before_.data();
   }
 
   // Sums reach their range only in a liquid that has long burst.
@@ -417,7 +421,7 @@ class LiquidEngineOf final : public LiquidEngine {
     pairs_.of_acceleration =
         particles::AddendScale<Real>::of(quanta_.acceleration, 64 * (fastest + viscous) * c);
     pairs_.of_rate = particles::AddendScale<Real>::of(quanta_.rate, 64 * fastest);
-    rates_.quanta = rates_.walls.quanta = edges_.quanta = quanta_;
+    rates_.quanta = wall_sums_.quanta = edges_.quanta = quanta_;
   }
 
   // Writes the present positions to `located_`. Strays pass walls since the lists were built.
@@ -482,7 +486,7 @@ class LiquidEngineOf final : public LiquidEngine {
                        in_cell_.data(), built_at_.data(), reach_, walls, facets_.view()},
         neighbours_);
     exec_.grow(particle_, facets_.total);
-    exec_.grow(in_support_, facets_.total);
+    exec_.grow(place_of_facet_, facets_.total);
     exec_.grow(near_, facets_.total);
     exec_.grow(seen_, facets_.total);
     if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
@@ -498,6 +502,7 @@ class LiquidEngineOf final : public LiquidEngine {
         exec_.template reduce<BesideWalls>(count(), MarkBesideWalls{facets_.view(), before_.data()})
             .particles;
     exec_.grow(beside_wall_, beside_walls_);
+    exec_.grow(of_walls_, beside_walls_);
     exec_.exclusive_sum(before_, count() + 1);
     exec_.for_each(count(), ListBesideWalls{before_.data(), beside_wall_.data()});
   }
@@ -538,16 +543,17 @@ class LiquidEngineOf final : public LiquidEngine {
 
   void sum_rates() {
     exec_.sum_over_lanes(count(), pairs_);
+    exec_.for_each(facets_.total, mark_);
+    exec_.for_each(beside_walls_, number_);
     exec_.for_each(facets_.total, place_);
-    if (walls_.bodies() > 0) exec_.for_each(count(), select_);
+    if (walls_.any_closed()) exec_.for_each(beside_walls_, backs_);
     exec_.for_each(facets_.total, see_);
     rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
     const bool several = walls_.bodies() > 1;  // whose edges may meet
-    const Tally sum = exec_.template reduce<Tally>(
-        body_sums_, SumOver{count(), SumRatesInside<Real, shifting>{rates_}},
-        SumOver{beside_walls_, SumRatesBesideWalls<Real, shifting>{rates_, beside_wall_.data()}},
-        SumOver{several ? facets_.total : 0, edges_});
+    const Tally sum =
+        exec_.template reduce<Tally>(body_sums_, SumOver{beside_walls_, wall_sums_}, SumOver{count(), rates_},
+                                     SumOver{several ? facets_.total : 0, edges_});
     if (sum.burst != 0)
       throw Error(ErrorCode::numerics,
                   "the liquid flies apart: forces between two particles are beyond any that a liquid of this "
@@ -591,11 +597,11 @@ class LiquidEngineOf final : public LiquidEngine {
   LostParticles lost_;
   Buffer<std::uint32_t> before_;  // numbers of particles, see ListBesideWalls and KeepEntry
   Buffer<std::uint32_t> beside_wall_;
+  Buffer<WallSums> of_walls_;
   std::uint32_t beside_walls_ = 0;
   List<Exec, Neighbour> neighbours_;
   List<Exec, std::uint32_t> facets_;
-  Buffer<std::uint32_t> particle_, near_count_;
-  Buffer<std::uint8_t> in_support_;
+  Buffer<std::uint32_t> particle_, near_count_, place_of_facet_;
   Buffer<NearFacet> near_;
   Buffer<SeenFacet> seen_;
   Buffer<Vec3d> by_pressure_;
@@ -604,9 +610,12 @@ class LiquidEngineOf final : public LiquidEngine {
   LiquidArrays<Real> liquid_;
   WallArrays arrays_;
   SumPairs<Real, shifting> pairs_;
+  MarkFacets<Real> mark_;
+  NumberFacets number_;
   PlaceFacet<Real> place_;
-  SelectFacets<Real> select_;
+  RemoveBacks<Real> backs_;
   SeeFacets<Real> see_;
+  SumWalls<Real, shifting> wall_sums_;
   SumRates<Real, shifting> rates_;
   SumEdges<Real> edges_;
   Advance<Real> advance_;

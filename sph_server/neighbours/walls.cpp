@@ -57,6 +57,7 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::v
       for (std::uint32_t k = cell_start_[cell]; k < cell_start_[cell + 1] && sides != 3; ++k)
         sides |= sides_reached(facets_[cell_facet_[i]], facets_[cell_facet_[k]], 1e-7 * reach);
     }
+  any_closed_ = std::any_of(surface_.begin(), surface_.end(), [](std::uint32_t s) { return s != 0; });
 }
 
 WallsView Walls::view() const {

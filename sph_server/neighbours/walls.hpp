@@ -47,6 +47,8 @@ class Walls {
   const std::vector<std::uint8_t>& slip() const { return slip_; }
   const std::vector<std::uint8_t>& beyond() const { return beyond_; }
   const std::vector<std::uint32_t>& surface() const { return surface_; }
+  // Has any facet a closed surface?
+  bool any_closed() const { return any_closed_; }
 
  private:
   std::vector<particles::Facet> facets_;
@@ -56,6 +58,7 @@ class Walls {
   std::vector<particles::BodyPose> poses_;
   std::vector<std::uint8_t> slip_, beyond_;  // see WallsView
   std::vector<std::uint32_t> surface_;
+  bool any_closed_ = false;
   double margin_ = 0;
   std::vector<double> extent_;  // largest distance of a vertex from the origin of its body [m]
 };

@@ -44,9 +44,10 @@ struct SeenFacet {
 struct WallArrays {
   ListView<std::uint32_t> facets;           // with a point within the reach when the list was built
   const std::uint32_t* particle = nullptr;  // of each entry of `facets`
-  std::uint8_t* in_support = nullptr;       // 1: of an entry with a point within the support now (entries)
-  // Those of them that the particle may see: the first near_count[i] entries from
-  // facets.start[i] on.
+  // Where in `near` the facet of an entry is; `nowhere` if it has no point within the support now (entries).
+  std::uint32_t* place = nullptr;
+  static constexpr std::uint32_t nowhere = ~std::uint32_t{0};
+  // The facets that a particle may see: the first near_count[i] from facets.start[i] on.
   std::uint32_t* near_count = nullptr;
   NearFacet* near = nullptr;
   SeenFacet* seen = nullptr;

@@ -13,13 +13,13 @@ struct BodySum {
   std::int64_t acceleration[3]{};
   std::int64_t torque[3]{};
 
-  void add(Vec3d by_mass, Vec3d moment, const Quanta& q) {
+  TANDEM_HD void add(Vec3d by_mass, Vec3d moment, const Quanta& q) {
     for (int a = 0; a < 3; ++a) {
       acceleration[a] += particles::to_fixed(by_mass[a], q.acceleration);
       torque[a] += particles::to_fixed(moment[a], q.torque);
     }
   }
-  void add(const BodySum& b) {
+  TANDEM_HD void add(const BodySum& b) {
     for (int a = 0; a < 3; ++a) {
       acceleration[a] += b.acceleration[a];
       torque[a] += b.torque[a];

@@ -39,7 +39,9 @@ struct SumEdges {
   TANDEM_HD void operator()(std::uint32_t entry, Tally& tally, Bodies& bodies) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
                         count = arrays.near_count[i];
-    if (entry - begin >= count || !in_sight(entry)) return;
+    // Those of a body follow each other.
+    if (entry - begin >= count || arrays.near[begin].body == arrays.near[begin + count - 1].body) return;
+    if (!in_sight(entry)) return;
     const NearFacet& f = arrays.near[entry];
     for (std::uint32_t other = begin; other < begin + count; ++other)
       if (arrays.near[other].body != f.body && in_sight(other)) add(i, f, arrays.near[other], tally, bodies);

@@ -18,6 +18,12 @@ struct Quanta {
   particles::Quantum torque;        // [N m]
 };
 
+TANDEM_HD inline Vec3d metric(const std::int64_t (&acceleration)[3], const Quanta& q) {
+  return {particles::from_fixed(acceleration[0], q.acceleration),
+          particles::from_fixed(acceleration[1], q.acceleration),
+          particles::from_fixed(acceleration[2], q.acceleration)};
+}
+
 // Fixed-point sums are of rounded addends that are antisymmetric to the bit, so that the sums over all
 // particles vanish exactly. The others depend on the order of the list.
 template <class Real, bool shifting>

@@ -19,9 +19,9 @@ struct NameParticles {
   }
 };
 
-// The facet of an entry in world axes, if it has a point within the support.
+// Marks the entries whose facet has a point within the support.
 template <class Real>
-struct PlaceFacet {
+struct MarkFacets {
   LiquidArrays<Real> liquid;
   WallArrays arrays;
   WallsView walls;
@@ -29,37 +29,62 @@ struct PlaceFacet {
   double support = 0;  // [m]
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
-    const std::uint32_t i = arrays.particle[entry], number = arrays.facets.entry[entry];
+    const std::uint32_t i = arrays.particle[entry];
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    const bool is_near = walls.is_within(support, x, number);
-    arrays.in_support[entry] = is_near;
-    if (is_near) arrays.near[entry] = walls.seen_from(x, number);
+    arrays.place[entry] = walls.is_within(support, x, arrays.facets.entry[entry]) ? 1 : WallArrays::nowhere;
   }
 };
 
-// The facets that particle i may see, one after the other.
+// Gives places, one after the other, to the marked facets of a particle.
+struct NumberFacets {
+  WallArrays arrays;
+  const std::uint32_t* beside_wall = nullptr;  // the particles that have facets in their lists
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    const std::uint32_t i = beside_wall[k], begin = arrays.facets.start[i], end = arrays.facets.end[i];
+    std::uint32_t place = begin;
+    for (std::uint32_t n = begin; n < end; ++n)
+      if (arrays.place[n] != WallArrays::nowhere) arrays.place[n] = place++;
+    arrays.near_count[i] = place - begin;
+  }
+};
+
+// The facet of a marked entry in world axes.
 template <class Real>
-struct SelectFacets {
+struct PlaceFacet {
+  LiquidArrays<Real> liquid;
+  WallArrays arrays;
+  WallsView walls;
+  particles::CentreUnit<Real> centres;
+
+  TANDEM_HD void operator()(std::uint32_t entry) const {
+    const std::uint32_t place = arrays.place[entry];
+    if (place == WallArrays::nowhere) return;
+    const std::uint32_t i = arrays.particle[entry];
+    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    arrays.near[place] = walls.seen_from(x, arrays.facets.entry[entry]);
+  }
+};
+
+// Takes the facets of closed surfaces out that face away from a particle.
+template <class Real>
+struct RemoveBacks {
   LiquidArrays<Real> liquid;
   WallArrays arrays;
   const std::uint32_t* surface = nullptr;  // see WallsView
   particles::CentreUnit<Real> centres;
-  double support = 0;  // [m]
+  const std::uint32_t* beside_wall = nullptr;  // see NumberFacets
+  double support = 0;                          // [m]
 
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    const std::uint32_t begin = arrays.facets.start[i], end = arrays.facets.end[i];
-    std::uint32_t count = 0;
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    const std::uint32_t i = beside_wall[k], begin = arrays.facets.start[i], end = arrays.facets.end[i];
     bool any_closed = false;
-    for (std::uint32_t n = begin; n < end; ++n) {
-      if (arrays.in_support[n] == 0) continue;
-      any_closed = any_closed || surface[arrays.facets.entry[n]] != 0;
-      if (begin + count != n) arrays.near[begin + count] = arrays.near[n];
-      ++count;
-    }
+    for (std::uint32_t n = begin; n < end && !any_closed; ++n)
+      any_closed = arrays.place[n] != WallArrays::nowhere && surface[arrays.facets.entry[n]] != 0;
     if (any_closed)
-      count = without_backs(centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i))),
-                            arrays.near + begin, count, support);
-    arrays.near_count[i] = count;
+      arrays.near_count[i] =
+          without_backs(centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i))),
+                        arrays.near + begin, arrays.near_count[i], support);
   }
 };
 

@@ -14,36 +14,31 @@ template <class Real, bool shifting>
 struct SumRates {
   LiquidArrays<Real> liquid;
   const PairSums<Real, shifting>* pairs = nullptr;  // (count)
-  SumWalls<Real> walls;
+  const WallSums* walls = nullptr;                  // of the particles beside walls
+  const std::uint32_t* before = nullptr;            // how many of those precede each particle (count + 1)
   Quanta quanta;
   Liquid properties;
   double peak = 0;  // W(0) [1/m3]
   Vec3d frame;      // velocity relative to which speeds count [m/s]
 
-  // beside_walls: walls may be near the particle. `bodies`: sums of this thread.
-  template <bool beside_walls, class Bodies>
-  TANDEM_HD void of(std::uint32_t i, Tally& tally, Bodies& bodies) const {
+  template <class Bodies>
+  TANDEM_HD void operator()(std::uint32_t i, Tally& tally, Bodies&) const {
     PairSums<Real, shifting> sum = pairs[i];
     for (int a = 0; a < 3; ++a) tally.momentum_rate[a] += sum.acceleration[a];
     tally.burst |= sum.burst;
     const double mass = properties.mass();
     tally.add(Power::viscosity, 0.5 * mass * static_cast<double>(sum.viscous_power), quanta.power);
 
-    Vec3d viscous = sum.viscous.template as<double>(), by_pressure = metric(sum.acceleration) - viscous;
+    WallSums wall;
+    if (before[i] != before[i + 1]) wall = walls[before[i]];
+    for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
+    const Vec3d viscous = sum.viscous.template as<double>() + wall.viscous,
+                by_pressure = metric(sum.acceleration, quanta) - viscous - wall.repelled;
     const double compression = liquid.compression[i],
                  pressure = static_cast<double>(liquid.state[i].pressure),
                  volume = static_cast<double>(liquid.state[i].volume);
     const auto neighbours = static_cast<double>(sum.filled);
     const double own = volume * peak;
-    WallSums wall;
-    if constexpr (beside_walls) {
-      if (walls.any_near(i)) {
-        wall = walls(i, by_pressure, neighbours, own, tally, bodies);
-        for (int a = 0; a < 3; ++a) sum.acceleration[a] += wall.acceleration[a];
-        viscous += wall.viscous;
-        by_pressure = metric(sum.acceleration) - viscous - wall.repelled;
-      }
-    }
     const double filled = filled_room(neighbours, own, wall.shadow);
     const double by_motion = particles::from_fixed(sum.continuity + wall.continuity, quanta.rate),
                  by_diffusion = particles::from_fixed(sum.diffusion, quanta.rate);
@@ -58,7 +53,7 @@ struct SumRates {
               quanta.power);
 
     const Vec3d v = particles::velocity_of(liquid.velocity[i], liquid.fine_part(i));
-    const Vec3d acceleration = properties.gravity + metric(sum.acceleration);
+    const Vec3d acceleration = properties.gravity + metric(sum.acceleration, quanta);
     tally.add(Power::gravity, mass * dot(properties.gravity, v), quanta.power);
     tally.observe(norm2(v - frame), norm2(acceleration), std::fabs(compression));
     liquid.acceleration[0][i] = acceleration;
@@ -68,34 +63,6 @@ struct SumRates {
     if constexpr (shifting)
       liquid.shift[i] =
           shift_velocity(properties, sum.crowding, wall.surface, neighbours + own + wall.shadow);
-  }
-
- private:
-  TANDEM_HD Vec3d metric(const std::int64_t* acceleration) const {
-    return {particles::from_fixed(acceleration[0], quanta.acceleration),
-            particles::from_fixed(acceleration[1], quanta.acceleration),
-            particles::from_fixed(acceleration[2], quanta.acceleration)};
-  }
-};
-
-// Of the particles that have no facets in their lists.
-template <class Real, bool shifting>
-struct SumRatesInside {
-  SumRates<Real, shifting> rates;
-  template <class Bodies>
-  TANDEM_HD void operator()(std::uint32_t i, Tally& tally, Bodies& bodies) const {
-    const ListView<std::uint32_t>& facets = rates.walls.arrays.facets;
-    if (facets.start[i] == facets.end[i]) rates.template of<false>(i, tally, bodies);
-  }
-};
-// Of the others, which take far longer.
-template <class Real, bool shifting>
-struct SumRatesBesideWalls {
-  SumRates<Real, shifting> rates;
-  const std::uint32_t* particle = nullptr;
-  template <class Bodies>
-  TANDEM_HD void operator()(std::uint32_t k, Tally& tally, Bodies& bodies) const {
-    rates.template of<true>(particle[k], tally, bodies);
   }
 };
 

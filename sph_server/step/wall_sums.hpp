@@ -11,6 +11,7 @@
 #include "sph_server/equations/wall_repulsion.hpp"
 #include "sph_server/equations/wall_terms.hpp"
 #include "sph_server/step/arrays.hpp"
+#include "sph_server/step/body_sum.hpp"
 #include "sph_server/step/pair_sums.hpp"
 #include "sph_server/step/tally.hpp"
 
@@ -25,9 +26,13 @@ struct WallSums {
   double shadow = 0;               // sum of B [-]
 };
 
-template <class Real>
+// Of the particles that have facets in their lists.
+template <class Real, bool shifting>
 struct SumWalls {
   LiquidArrays<Real> liquid;
+  const PairSums<Real, shifting>* pairs = nullptr;  // (count)
+  const std::uint32_t* beside_wall = nullptr;       // the particles
+  WallSums* result = nullptr;                       // of each of them
   WallArrays arrays;
   particles::CentreUnit<Real> centres;
   WallsView walls;
@@ -36,20 +41,24 @@ struct SumWalls {
   WallKernel kernel;
   Quanta quanta;
   double mass = 0;        // of a particle [kg]
+  double peak = 0;        // W(0) [1/m3]
   bool continued = true;  // false: the ghosts have the pressure of the particle, without its gradient
 
+  // bodies: sums of the thread.
+  template <class Bodies>
+  TANDEM_HD void operator()(std::uint32_t number, Tally& tally, Bodies& bodies) const {
+    const std::uint32_t i = beside_wall[number];
+    result[number] = arrays.near_count[i] > 0 ? of(i, tally, bodies) : WallSums{};
+  }
+
+ private:
   struct Particle {
     Vec3d x, v;
     double pressure, volume;
   };
 
-  TANDEM_HD bool any_near(std::uint32_t i) const { return walls.bodies > 0 && arrays.near_count[i] > 0; }
-
-  // pressed: acceleration of the particle by the pressure of its neighbours [m/s2]; neighbours, own: parts
-  // of the kernel that they and the particle fill [-]. bodies: sums of the thread.
   template <class Bodies>
-  TANDEM_HD WallSums operator()(std::uint32_t i, Vec3d pressed, double neighbours, double own, Tally& tally,
-                                Bodies& bodies) const {
+  TANDEM_HD WallSums of(std::uint32_t i, Tally& tally, Bodies& bodies) const {
     WallSums sum;
     const particles::FinePart<Real> fine = liquid.fine_part(i);
     const Particle p{centres.metres(centres.joined(liquid.position[i], fine)),
@@ -58,7 +67,9 @@ struct SumWalls {
                      static_cast<double>(liquid.state[i].volume)};
     const std::uint32_t begin = arrays.facets.start[i];
     const SeenFacet* const seen = arrays.seen + begin;
-    FacetsOfParticle near{arrays.near + begin, static_cast<int>(arrays.near_count[i])};
+    const FacetsOfParticle near{arrays.near + begin, static_cast<int>(arrays.near_count[i])};
+    // Acceleration by the pressure of the neighbours.
+    Vec3d pressed = metric(pairs[i].acceleration, quanta) - pairs[i].viscous.template as<double>();
     bool complete = true;
     Mat3d missing;  // M of ghost_gradient
     const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
@@ -86,12 +97,32 @@ struct SumWalls {
       }
     }
     tally.crowded_by_facets += complete ? 0 : 1;
+    // Parts of the kernel that neighbours and the particle itself fill.
+    const double neighbours = static_cast<double>(pairs[i].filled), own = p.volume * peak;
     const double share =
         continued ? ghost_share(neighbours, filled_room(neighbours, own, sum.shadow), missing) : 0;
     Mat3d represented = Mat3d::identity();
     for (int a = 0; a < 3; ++a) represented.row[a] += share * missing.row[a];
     const Vec3d by_pressure = share * solved(represented, pressed);
-    for (int k = 0; k < near.count; ++k) {
+    for (int k = 0; k < near.count;) k = load_body(p, near, seen, k, by_pressure, sum, tally, bodies);
+    arrays.by_pressure[i] = by_pressure;
+    if (nearest.distance < repulsion.range) repel(p, nearest, sum, tally, bodies);
+    return sum;
+  }
+
+  TANDEM_HD static bool is_seen(const FacetIntegrals& integrals) {
+    return integrals.surface != 0 || integrals.shadow != 0;
+  }
+
+  // Loads of the facets of one body, from k on; returns one past its last facet. by_pressure: acceleration of
+  // the particle by pressure [m/s2].
+  template <class Bodies>
+  TANDEM_HD int load_body(const Particle& p, const FacetsOfParticle& near, const SeenFacet* seen, int k,
+                          Vec3d by_pressure, WallSums& sum, Tally& tally, Bodies& bodies) const {
+    const std::uint32_t body = near.facet[k].body;
+    const Vec3d arm = p.x - walls.pose[body].p;
+    BodySum of_body;
+    for (; k < near.count && near.facet[k].body == body; ++k) {
       const NearFacet& f = near.facet[k];
       const FacetIntegrals& integrals = seen[k].integrals;
       if (!is_seen(integrals)) continue;
@@ -99,21 +130,13 @@ struct SumWalls {
       const WallTerms t = at.terms(*this, p, f, integrals);
       const Vec3d ghost = ghost_gradient(wall, integrals, at.normal, by_pressure, p.volume);
       const Vec3d total = particles::rounded(t.pressure + t.viscous + ghost, quanta.acceleration);
-      const particles::BodyPose& pose = walls.pose[f.body];
-      const Vec3d moment = cross(p.x - pose.p, total);
       for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(total[a], quanta.acceleration);
-      bodies.add(f.body, -total, -mass * moment, quanta);
+      of_body.add(-total, -mass * cross(arm, total), quanta);
       tally.add(Power::ghost, mass * dot(ghost, p.v - at.v_wall), quanta.power);
       tally.add(Power::walls, mass * dot(total, at.v_wall), quanta.power);
     }
-    arrays.by_pressure[i] = by_pressure;
-    if (nearest.distance < repulsion.range) repel(p, nearest, sum, tally, bodies);
-    return sum;
-  }
-
- private:
-  TANDEM_HD static bool is_seen(const FacetIntegrals& integrals) {
-    return integrals.surface != 0 || integrals.shadow != 0;
+    bodies.add(body, of_body);
+    return k;
   }
 
   // Of the facets of one body, from k on.

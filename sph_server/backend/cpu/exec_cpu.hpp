@@ -22,6 +22,7 @@ struct BodySums {
   void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
     of[body].add(acceleration, torque, q);
   }
+  void add(std::uint32_t body, const BodySum& sum) { of[body].add(sum); }
 };
 
 class CpuExec : public particles::HostExec {

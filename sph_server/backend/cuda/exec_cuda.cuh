@@ -16,6 +16,7 @@
 #include "particles/backend/cuda/warp_group.cuh"
 #include "sph_server/backend/list.hpp"
 #include "sph_server/step/body_sum.hpp"
+#include "sph_server/step/wall_sums.hpp"
 
 namespace tandem::sph {
 
@@ -150,11 +151,22 @@ struct DeviceBodySums {
   std::int64_t* global;     // 6 per body
 
   __device__ void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
-    for (int k = 0; k < 6; ++k) {
-      const std::int64_t amount = k < 3 ? particles::to_fixed(acceleration[k], q.acceleration)
-                                        : particles::to_fixed(torque[k - 3], q.torque);
+    BodySum sum;
+    sum.add(acceleration, torque, q);
+    add(body, sum);
+  }
+  __device__ void add(std::uint32_t body, const BodySum& sum) {
+    const unsigned active = __activemask();
+    int of_one_body = 0;
+    __match_all_sync(active, body, &of_one_body);
+    const bool adds = !of_one_body || threadIdx.x % particles::WarpGroup::size == __ffs(active) - 1;
+    for (unsigned k = 0; k < 6; ++k) {
+      std::int64_t amount = k < 3 ? sum.acceleration[k] : sum.torque[k - 3];
+      // Otherwise the threads would wait for each other at the same place.
+      if (of_one_body) amount = particles::warp_sum(amount, active);
+      if (!adds) continue;
       if (body < in_shared)
-        shared[body * 6 + static_cast<unsigned>(k)].add(amount);
+        shared[body * 6 + k].add(amount);
       else
         particles::add_global(global + std::size_t{body} * 6 + k, static_cast<unsigned long long>(amount));
     }
@@ -172,8 +184,15 @@ __global__ void __launch_bounds__(reduce_threads) reduce_kernel(std::uint32_t n,
   add_up(own, reinterpret_cast<Tally*>(space));
   if (threadIdx.x == 0) of_block[blockIdx.x] = own;
 }
+// Blocks that share a multiprocessor, by which registers are limited: those of a long function with many
+// waits.
+template <class F>
+inline constexpr unsigned resident_blocks = 1;
+template <class Real, bool shifting>
+inline constexpr unsigned resident_blocks<SumWalls<Real, shifting>> = 4;
+
 template <class Tally, class F>
-__global__ void __launch_bounds__(reduce_threads)
+__global__ void __launch_bounds__(reduce_threads, resident_blocks<F>)
     reduce_with_bodies_kernel(std::uint32_t n, F f, Tally* of_block, std::uint32_t bodies,
                               std::int64_t* of_body) {
   __shared__ alignas(Tally) unsigned char space[reduce_threads / particles::WarpGroup::size * sizeof(Tally)];
