@@ -27,11 +27,12 @@ struct BodySum {
   }
 };
 
-// What a back end sums up over i < n.
+// What a back end sums up over i < n: f(i, tally, bodies), or f(i, team, tally, bodies) of F::by_teams.
 template <class F>
 struct SumOver {
   std::uint32_t n = 0;
   F f;
+  bool shared = false;  // the facets of a particle are so many that several threads share them
 };
 
 }  // namespace tandem::sph

@@ -24,6 +24,7 @@ inline constexpr double sliver = 1e-5;
 // One facet near one particle, against those of other bodies near it.
 template <class Real>
 struct SumEdges {
+  static constexpr bool by_teams = false;
   LiquidArrays<Real> liquid;
   WallArrays arrays;
   particles::CentreUnit<Real> centres;

@@ -12,6 +12,7 @@ namespace tandem::sph {
 
 template <class Real, bool shifting>
 struct SumRates {
+  static constexpr bool by_teams = false;
   LiquidArrays<Real> liquid;
   const PairSums<Real, shifting>* pairs = nullptr;  // (count)
   const WallSums* walls = nullptr;                  // of the particles beside walls

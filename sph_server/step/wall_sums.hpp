@@ -14,6 +14,7 @@
 #include "sph_server/step/body_sum.hpp"
 #include "sph_server/step/pair_sums.hpp"
 #include "sph_server/step/tally.hpp"
+#include "sph_server/step/team.hpp"
 
 namespace tandem::sph {
 
@@ -29,6 +30,7 @@ struct WallSums {
 // Of the particles that have facets in their lists.
 template <class Real, bool shifting>
 struct SumWalls {
+  static constexpr bool by_teams = true;
   LiquidArrays<Real> liquid;
   const PairSums<Real, shifting>* pairs = nullptr;  // (count)
   const std::uint32_t* beside_wall = nullptr;       // the particles
@@ -45,10 +47,11 @@ struct SumWalls {
   bool continued = true;  // false: the ghosts have the pressure of the particle, without its gradient
 
   // bodies: sums of the thread.
-  template <class Bodies>
-  TANDEM_HD void operator()(std::uint32_t number, Tally& tally, Bodies& bodies) const {
+  template <class Team, class Bodies>
+  TANDEM_HD void operator()(std::uint32_t number, const Team& team, Tally& tally, Bodies& bodies) const {
     const std::uint32_t i = beside_wall[number];
-    result[number] = arrays.near_count[i] > 0 ? of(i, tally, bodies) : WallSums{};
+    const WallSums sum = arrays.near_count[i] > 0 ? of(i, team, tally, bodies) : WallSums{};
+    if (team.leads()) result[number] = sum;
   }
 
  private:
@@ -57,9 +60,9 @@ struct SumWalls {
     double pressure, volume;
   };
 
-  template <class Bodies>
-  TANDEM_HD WallSums of(std::uint32_t i, Tally& tally, Bodies& bodies) const {
-    WallSums sum;
+  // For the leader of the team.
+  template <class Team, class Bodies>
+  TANDEM_HD WallSums of(std::uint32_t i, const Team& team, Tally& tally, Bodies& bodies) const {
     const particles::FinePart<Real> fine = liquid.fine_part(i);
     const Particle p{centres.metres(centres.joined(liquid.position[i], fine)),
                      particles::velocity_of(liquid.velocity[i], fine),
@@ -68,45 +71,34 @@ struct SumWalls {
     const std::uint32_t begin = arrays.facets.start[i];
     const SeenFacet* const seen = arrays.seen + begin;
     const FacetsOfParticle near{arrays.near + begin, static_cast<int>(arrays.near_count[i])};
-    // Acceleration by the pressure of the neighbours.
-    Vec3d pressed = metric(pairs[i].acceleration, quanta) - pairs[i].viscous.template as<double>();
-    bool complete = true;
-    Mat3d missing;  // M of ghost_gradient
-    const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
-    Nearest nearest;
-    const Rim rim = rim_of(near, seen);
-    pressed += rim_pressure(wall, rim.sum, p.pressure, p.volume);
-    if (rim.along_r > 0) press_at_rims(p, near, seen, rim, sum, tally, bodies);
-    for (int k = 0; k < near.count; ++k) {
-      const NearFacet& f = near.facet[k];
-      const FacetIntegrals& integrals = seen[k].integrals;
-      nearest.take(f, p.x, repulsion.range);
-      complete = complete && seen[k].complete;
-      if (!is_seen(integrals)) continue;
-      const AtFacet at(*this, p, f);
-      const WallTerms t = at.terms(*this, p, f, integrals);
-      sum.viscous += t.viscous;
-      sum.continuity += particles::to_fixed(t.continuity, quanta.rate);
-      sum.surface += integrals.surface * at.normal;
-      sum.shadow += integrals.shadow;
-      pressed += t.pressure;
-      tally.add(Power::viscosity, mass * dot(t.viscous, p.v - at.v_wall), quanta.power);
-      for (int a = 0; a < 3; ++a) {
-        missing.row[a] += of_ghosts * (at.normal[a] * integrals.moment + integrals.sides.row[a]);
-        missing.row[a][a] -= of_ghosts * integrals.shadow;
-      }
-    }
-    tally.crowded_by_facets += complete ? 0 : 1;
+
+    const FacetSums facets =
+        team.sum([&](std::uint32_t lane) { return sum_of_lane(lane, p, near, seen, tally); });
+    const Rim rim = rim_of(facets.rim, near, seen);
+    const Vec3d by_neighbours =
+        metric(pairs[i].acceleration, quanta) - pairs[i].viscous.template as<double>();
+    const Vec3d pressed = by_neighbours + rim_pressure(wall, rim.sum, p.pressure, p.volume) + facets.pressed;
     // Parts of the kernel that neighbours and the particle itself fill.
     const double neighbours = static_cast<double>(pairs[i].filled), own = p.volume * peak;
     const double share =
-        continued ? ghost_share(neighbours, filled_room(neighbours, own, sum.shadow), missing) : 0;
+        continued ? ghost_share(neighbours, filled_room(neighbours, own, facets.shadow), facets.missing) : 0;
     Mat3d represented = Mat3d::identity();
-    for (int a = 0; a < 3; ++a) represented.row[a] += share * missing.row[a];
+    for (int a = 0; a < 3; ++a) represented.row[a] += share * facets.missing.row[a];
     const Vec3d by_pressure = share * solved(represented, pressed);
-    for (int k = 0; k < near.count;) k = load_body(p, near, seen, k, by_pressure, sum, tally, bodies);
+    const Acceleration of_facets = team.sum(
+        [&](std::uint32_t lane) { return load_of_lane(lane, p, near, seen, by_pressure, tally, bodies); });
+    WallSums sum;
+    if (!team.leads()) return sum;
+
+    for (int a = 0; a < 3; ++a) sum.acceleration[a] = of_facets.of[a];
+    sum.continuity = facets.continuity;
+    sum.viscous = facets.viscous;
+    sum.surface = facets.surface;
+    sum.shadow = facets.shadow;
+    tally.crowded_by_facets += facets.incomplete > 0 ? 1 : 0;
     arrays.by_pressure[i] = by_pressure;
-    if (nearest.distance < repulsion.range) repel(p, nearest, sum, tally, bodies);
+    if (rim.along_r > 0) press_at_rims(p, near, seen, rim, sum, tally, bodies);
+    if (facets.nearest.distance < repulsion.range) repel(p, near, facets.nearest, sum, tally, bodies);
     return sum;
   }
 
@@ -114,29 +106,105 @@ struct SumWalls {
     return integrals.surface != 0 || integrals.shadow != 0;
   }
 
-  // Loads of the facets of one body, from k on; returns one past its last facet. by_pressure: acceleration of
-  // the particle by pressure [m/s2].
-  template <class Bodies>
-  TANDEM_HD int load_body(const Particle& p, const FacetsOfParticle& near, const SeenFacet* seen, int k,
-                          Vec3d by_pressure, WallSums& sum, Tally& tally, Bodies& bodies) const {
-    const std::uint32_t body = near.facet[k].body;
-    const Vec3d arm = p.x - walls.pose[body].p;
-    BodySum of_body;
-    for (; k < near.count && near.facet[k].body == body; ++k) {
+  // The facet whose nearest point is nearest to the particle.
+  struct Nearest {
+    double distance = 1e300;  // [m]
+    int facet = 0;
+
+    TANDEM_HD void take(int k, const NearFacet& f, Vec3d x, double range) {
+      particles::WallContact contact;
+      if (touches(f, x, range, contact)) take({contact.gap + range, k});
+    }
+    // Of two at the same distance the first one.
+    TANDEM_HD void take(const Nearest& b) {
+      if (b.distance < distance || (b.distance == distance && b.facet < facet)) *this = b;
+    }
+    TANDEM_HD static bool touches(const NearFacet& f, Vec3d x, double range,
+                                  particles::WallContact& contact) {
+      return particles::touch_triangle(particles::Facet{f.a, f.b, f.c, f.normal}, x, range, contact);
+    }
+  };
+
+  struct FacetSums {
+    Vec3d pressed;                // acceleration by the pressure p_i of particle and ghosts [m/s2]
+    Vec3d viscous, surface, rim;  // see WallSums and FacetIntegrals
+    double shadow = 0;
+    Mat3d missing;  // M of ghost_gradient()
+    std::int64_t continuity = 0;
+    Nearest nearest;
+    std::uint64_t incomplete = 0;  // facets of which some parts are missing
+
+    TANDEM_HD void add(const FacetSums& b) {
+      pressed += b.pressed;
+      viscous += b.viscous;
+      surface += b.surface;
+      rim += b.rim;
+      shadow += b.shadow;
+      for (int a = 0; a < 3; ++a) missing.row[a] += b.missing.row[a];
+      continuity += b.continuity;
+      nearest.take(b.nearest);
+      incomplete += b.incomplete;
+    }
+  };
+  TANDEM_HD FacetSums sum_of_lane(std::uint32_t lane, const Particle& p, const FacetsOfParticle& near,
+                                  const SeenFacet* seen, Tally& tally) const {
+    FacetSums sum;
+    const double of_ghosts = p.volume * wall.density * wall.inverse_mass;
+    for (int k = static_cast<int>(lane); k < near.count; k += static_cast<int>(wall_lanes)) {
       const NearFacet& f = near.facet[k];
       const FacetIntegrals& integrals = seen[k].integrals;
+      sum.nearest.take(k, f, p.x, repulsion.range);
+      sum.incomplete += seen[k].complete ? 0 : 1;
+      sum.rim += integrals.rim;
       if (!is_seen(integrals)) continue;
       const AtFacet at(*this, p, f);
       const WallTerms t = at.terms(*this, p, f, integrals);
-      const Vec3d ghost = ghost_gradient(wall, integrals, at.normal, by_pressure, p.volume);
-      const Vec3d total = particles::rounded(t.pressure + t.viscous + ghost, quanta.acceleration);
-      for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(total[a], quanta.acceleration);
-      of_body.add(-total, -mass * cross(arm, total), quanta);
-      tally.add(Power::ghost, mass * dot(ghost, p.v - at.v_wall), quanta.power);
-      tally.add(Power::walls, mass * dot(total, at.v_wall), quanta.power);
+      sum.viscous += t.viscous;
+      sum.continuity += particles::to_fixed(t.continuity, quanta.rate);
+      sum.surface += integrals.surface * at.normal;
+      sum.shadow += integrals.shadow;
+      sum.pressed += t.pressure;
+      tally.add(Power::viscosity, mass * dot(t.viscous, p.v - at.v_wall), quanta.power);
+      for (int a = 0; a < 3; ++a) {
+        sum.missing.row[a] += of_ghosts * (at.normal[a] * integrals.moment + integrals.sides.row[a]);
+        sum.missing.row[a][a] -= of_ghosts * integrals.shadow;
+      }
     }
-    bodies.add(body, of_body);
-    return k;
+    return sum;
+  }
+
+  struct Acceleration {
+    std::int64_t of[3]{};  // in quanta
+    TANDEM_HD void add(const Acceleration& b) {
+      for (int a = 0; a < 3; ++a) of[a] += b.of[a];
+    }
+  };
+  // Loads of a lane's facets. by_pressure: acceleration of the particle by pressure [m/s2].
+  template <class Bodies>
+  TANDEM_HD Acceleration load_of_lane(std::uint32_t lane, const Particle& p, const FacetsOfParticle& near,
+                                      const SeenFacet* seen, Vec3d by_pressure, Tally& tally,
+                                      Bodies& bodies) const {
+    Acceleration sum;
+    for (int k = static_cast<int>(lane); k < near.count;) {
+      const std::uint32_t body = near.facet[k].body;
+      const Vec3d arm = p.x - walls.pose[body].p;
+      BodySum of_body;
+      for (; k < near.count && near.facet[k].body == body; k += static_cast<int>(wall_lanes)) {
+        const NearFacet& f = near.facet[k];
+        const FacetIntegrals& integrals = seen[k].integrals;
+        if (!is_seen(integrals)) continue;
+        const AtFacet at(*this, p, f);
+        const WallTerms t = at.terms(*this, p, f, integrals);
+        const Vec3d ghost = ghost_gradient(wall, integrals, at.normal, by_pressure, p.volume);
+        const Vec3d total = particles::rounded(t.pressure + t.viscous + ghost, quanta.acceleration);
+        for (int a = 0; a < 3; ++a) sum.of[a] += particles::to_fixed(total[a], quanta.acceleration);
+        of_body.add(-total, -mass * cross(arm, total), quanta);
+        tally.add(Power::ghost, mass * dot(ghost, p.v - at.v_wall), quanta.power);
+        tally.add(Power::walls, mass * dot(total, at.v_wall), quanta.power);
+      }
+      bodies.add(body, of_body);
+    }
+    return sum;
   }
 
   // Of the facets of one body, from k on.
@@ -145,11 +213,12 @@ struct SumWalls {
     for (const int end = near.end_of_body(k); k < end; ++k) sum += seen[k].integrals.rim;
     return sum;
   }
-  TANDEM_HD Rim rim_of(const FacetsOfParticle& near, const SeenFacet* seen) const {
+  // sum: of the rims of all facets.
+  TANDEM_HD Rim rim_of(Vec3d sum, const FacetsOfParticle& near, const SeenFacet* seen) const {
     constexpr double rounding = 1e-10;  // of sides that cancel [-]
+    if (norm(sum) * kernel.R <= rounding) return {};
     Rim rim;
-    for (int k = 0; k < near.count; ++k) rim.sum += seen[k].integrals.rim;
-    if (norm(rim.sum) * kernel.R <= rounding) return {};
+    rim.sum = sum;
     for (int k = 0; k < near.count; k = near.end_of_body(k)) rim.add_body(rim_of_body(near, seen, k));
     return rim;
   }
@@ -193,33 +262,19 @@ struct SumWalls {
     }
   };
 
-  // The nearest point of all facets within a range.
-  struct Nearest {
-    double distance = 1e300;  // [m]
-    Vec3d point, normal;      // towards the particle [m], [-]
-    std::uint32_t body = 0;
-
-    TANDEM_HD void take(const NearFacet& f, Vec3d x, double range) {
-      particles::WallContact contact;
-      const particles::Facet facet{f.a, f.b, f.c, f.normal};
-      if (!particles::touch_triangle(facet, x, range, contact) || contact.gap + range >= distance) return;
-      distance = contact.gap + range;
-      point = contact.point;
-      normal = contact.normal;
-      body = f.body;
-    }
-  };
-
   template <class Bodies>
-  TANDEM_HD void repel(const Particle& p, const Nearest& nearest, WallSums& sum, Tally& tally,
-                       Bodies& bodies) const {
+  TANDEM_HD void repel(const Particle& p, const FacetsOfParticle& near, const Nearest& nearest, WallSums& sum,
+                       Tally& tally, Bodies& bodies) const {
+    const NearFacet& f = near.facet[nearest.facet];
+    particles::WallContact contact;
+    Nearest::touches(f, p.x, repulsion.range, contact);
     const Vec3d push =
-        particles::rounded(repulsion.acceleration(nearest.distance) * nearest.normal, quanta.acceleration);
-    const particles::BodyPose& pose = walls.pose[nearest.body];
-    const Vec3d v_wall = pose.v + cross(pose.w, nearest.point - pose.p);
+        particles::rounded(repulsion.acceleration(nearest.distance) * contact.normal, quanta.acceleration);
+    const particles::BodyPose& pose = walls.pose[f.body];
+    const Vec3d arm = contact.point - pose.p, v_wall = pose.v + cross(pose.w, arm);
     for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(push[a], quanta.acceleration);
     sum.repelled = push;
-    bodies.add(nearest.body, -push, -mass * cross(nearest.point - pose.p, push), quanta);
+    bodies.add(f.body, -push, -mass * cross(arm, push), quanta);
     tally.add(Power::repulsion, mass * dot(push, p.v - v_wall), quanta.power);
     tally.add(Power::walls, mass * dot(push, v_wall), quanta.power);
   }

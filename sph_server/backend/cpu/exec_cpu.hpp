@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "sph_server/backend/list.hpp"
 #include "sph_server/step/body_sum.hpp"
 #include "sph_server/step/pair_rows.hpp"
+#include "sph_server/step/team.hpp"
 
 namespace tandem::sph {
 
@@ -91,7 +93,7 @@ class CpuExec : public particles::HostExec {
     for (const Tally& tally : tallies) sum.add(tally);
     return sum;
   }
-  // The same for one part after the other, f(i, tally, bodies) for i < n of each, with sums for each body.
+  // The same for one part after the other, with sums for each body, see SumOver.
   template <class Tally, class... F>
   Tally reduce(std::vector<BodySum>& of_bodies, SumOver<F>... parts) {
     std::vector<Tally> tallies(pool_->size());
@@ -99,7 +101,12 @@ class CpuExec : public particles::HostExec {
     const auto add = [&](const auto& part) {
       pool_->run([&](unsigned thread) {
         const particles::Range range = share(part.n, thread);
-        for (std::uint32_t i = range.begin; i < range.end; ++i) part.f(i, tallies[thread], bodies[thread]);
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
+          if constexpr (std::decay_t<decltype(part.f)>::by_teams)
+            part.f(i, OneThreadTeam{}, tallies[thread], bodies[thread]);
+          else
+            part.f(i, tallies[thread], bodies[thread]);
+        }
       });
     };
     (add(parts), ...);

@@ -100,15 +100,20 @@ __global__ void __launch_bounds__(list_warps* particles::WarpGroup::size, 4)
   }
 }
 
-// The value that the thread at this distance has.
+// The value that another thread of the warp has. All threads of the mask call it together.
 template <class T>
-__device__ T exchanged(const T& own, unsigned distance) {
+__device__ T value_of(const T& own, unsigned lane, unsigned mask) {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(int) == 0);
   T other;
   for (std::size_t k = 0; k < sizeof(T) / sizeof(int); ++k)
     reinterpret_cast<int*>(&other)[k] =
-        __shfl_xor_sync(~0u, reinterpret_cast<const int*>(&own)[k], static_cast<int>(distance));
+        __shfl_sync(mask, reinterpret_cast<const int*>(&own)[k], static_cast<int>(lane));
   return other;
+}
+// The value that the thread at this distance has.
+template <class T>
+__device__ T exchanged(const T& own, unsigned distance) {
+  return value_of(own, threadIdx.x % particles::WarpGroup::size ^ distance, ~0u);
 }
 
 struct EntryTotal {
@@ -129,6 +134,29 @@ __global__ void __launch_bounds__(particles::block_threads) sum_over_lanes_kerne
   for (unsigned distance = 1; distance < lanes; distance *= 2) s.add(exchanged(s, distance));
   if (exists && thread % lanes == 0) sum.take(i, s);
 }
+
+// See step/team.hpp. Each thread has one lane.
+class LaneTeam {
+ public:
+  __device__ LaneTeam()
+      : lane_(threadIdx.x % wall_lanes),
+        first_(threadIdx.x % particles::WarpGroup::size - lane_),
+        mask_(((1u << wall_lanes) - 1) << first_) {}
+  template <class OfLane>
+  __device__ auto sum(OfLane of_lane) const {
+    const auto own = of_lane(lane_);
+    __syncwarp(mask_);
+    auto sum = value_of(own, first_, mask_);
+    for (unsigned lane = 1; lane < wall_lanes; ++lane) sum.add(value_of(own, first_ + lane, mask_));
+    return sum;
+  }
+  __device__ bool leads() const { return lane_ == 0; }
+
+ private:
+  std::uint32_t lane_, first_;  // in the warp: the first thread of the team
+  unsigned mask_;               // of its threads
+};
+
 // Adds the tallies of a block up; thread 0 then has the sum. shared: one for each warp.
 template <class Tally>
 __device__ void add_up(Tally& own, Tally* shared) {
@@ -184,15 +212,9 @@ __global__ void __launch_bounds__(reduce_threads) reduce_kernel(std::uint32_t n,
   add_up(own, reinterpret_cast<Tally*>(space));
   if (threadIdx.x == 0) of_block[blockIdx.x] = own;
 }
-// Blocks that share a multiprocessor, by which registers are limited: those of a long function with many
-// waits.
-template <class F>
-inline constexpr unsigned resident_blocks = 1;
-template <class Real, bool shifting>
-inline constexpr unsigned resident_blocks<SumWalls<Real, shifting>> = 4;
-
-template <class Tally, class F>
-__global__ void __launch_bounds__(reduce_threads, resident_blocks<F>)
+// shared: of SumOver. With three blocks on a multiprocessor the sums beside walls have 168 registers.
+template <bool shared_by_team, class Tally, class F>
+__global__ void __launch_bounds__(reduce_threads, 3)
     reduce_with_bodies_kernel(std::uint32_t n, F f, Tally* of_block, std::uint32_t bodies,
                               std::int64_t* of_body) {
   __shared__ alignas(Tally) unsigned char space[reduce_threads / particles::WarpGroup::size * sizeof(Tally)];
@@ -202,8 +224,13 @@ __global__ void __launch_bounds__(reduce_threads, resident_blocks<F>)
   __syncthreads();
   Tally own;
   DeviceBodySums sums{shared, in_shared, of_body};
-  for (std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += gridDim.x * blockDim.x)
-    f(i, own, sums);
+  const std::uint32_t first = blockIdx.x * blockDim.x + threadIdx.x, threads = gridDim.x * blockDim.x;
+  if constexpr (F::by_teams && shared_by_team)
+    for (std::uint32_t i = first / wall_lanes; i < n; i += threads / wall_lanes) f(i, LaneTeam{}, own, sums);
+  else if constexpr (F::by_teams)
+    for (std::uint32_t i = first; i < n; i += threads) f(i, OneThreadTeam{}, own, sums);
+  else
+    for (std::uint32_t i = first; i < n; i += threads) f(i, own, sums);
   add_up(own, reinterpret_cast<Tally*>(space));
   if (threadIdx.x == 0) of_block[blockIdx.x] = own;
   for (unsigned k = threadIdx.x; k < in_shared * 6; k += blockDim.x)
@@ -260,12 +287,19 @@ class CudaExec : public particles::DeviceExec {
     grow(of_body_, std::max<std::size_t>(1, of_bodies.size()) * 6);
     zero(of_body_, of_bodies.size() * 6);
     unsigned blocks = 0;
-    const auto add = [&](const auto& part) {
-      if (part.n == 0) return;
-      reduce_with_bodies_kernel<<<reduce_blocks(part.n), reduce_threads, 0, stream_>>>(
+    const auto start = [&]<bool shared_by_team>(const auto& part) {
+      const unsigned of_part = reduce_blocks(part.n * (shared_by_team ? wall_lanes : 1));
+      reduce_with_bodies_kernel<shared_by_team><<<of_part, reduce_threads, 0, stream_>>>(
           part.n, part.f, of_block + blocks, static_cast<std::uint32_t>(of_bodies.size()), of_body_.data());
       particles::check_cuda(cudaGetLastError(), "starting a kernel");
-      blocks += reduce_blocks(part.n);
+      blocks += of_part;
+    };
+    const auto add = [&](const auto& part) {
+      if (part.n == 0) return;
+      if constexpr (std::decay_t<decltype(part.f)>::by_teams) {
+        if (part.shared) return start.template operator()<true>(part);
+      }
+      start.template operator()<false>(part);
     };
     (add(parts), ...);
     join(blocks, of_block);
