@@ -91,7 +91,9 @@ struct Sph {
   LiquidPrecision precision = LiquidPrecision::mixed;
   std::optional<double> micro_step;  // longest step [s]; absent: that of the rule (docs/liquid.md)
   std::vector<Wall> walls;           // without materials
-  Box domain;                        // particles that leave it are taken out
+  // Particles that leave it are taken out. Not given: all space, until the coordinator knows the walls.
+  Box domain{{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
+  bool domain_is_given = false;
   std::optional<BodyId> follows;     // the domain is translated with this body, and the outlets with it
   std::vector<LiquidPair> pairs;     // each body at most once
   std::vector<LiquidSensor> sensors;

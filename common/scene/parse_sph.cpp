@@ -139,7 +139,9 @@ Sph parse_sph(const Node& node, const Names& bodies) {
   if (node.has("precision") && node.value().at("precision") == "double")
     sph.precision = LiquidPrecision::full;
   node.read("micro_step", sph.micro_step);
+  if (!node.has("domain")) return sph;
   const Node domain = node.at("domain");
+  sph.domain_is_given = domain.has("min");
   domain.read("min", sph.domain.min);
   domain.read("max", sph.domain.max);
   if (domain.has("follows")) sph.follows = BodyId{domain.resolve("follows", bodies, "bodies")};

@@ -17,6 +17,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/geometry_review.hpp"
+#include "launch/coordinator/liquid_domain.hpp"
 #include "launch/coordinator/liquid_fill.hpp"
 #include "launch/coordinator/placement.hpp"
 #include "launch/mesh_import/mesh_import.hpp"
@@ -183,6 +184,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   if (file.scene.dem) dem::check_micro_step(*file.scene.dem, file.origin);
   for (std::string& warning : scene::warnings(file.scene)) file.warnings.push_back(std::move(warning));
   make_plain(path.parent_path(), file);
+  if (file.scene.sph) surround_liquid(file);
   if (file.scene.dem) import_particles(*file.scene.dem, path.parent_path(), file);
   review_geometry(file);
   if (on) place_fills(path.parent_path(), file, *on);

@@ -49,6 +49,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   scene::expect_no_solver_options(scene_.sph->solver_options, configuration.origin, "sph", "sph_server");
   const particles::Backend backend = particles::choose_backend(configuration.backend);
   const scene::Sph& sph = *scene_.sph;
+  if (!sph.domain_is_given)
+    throw Error(ErrorCode::scene, "has no 'min' and 'max'", configuration.origin + ": sph.domain",
+                "the coordinator gives them where a scene does not");
   const scene::Liquid& liquid = sph.liquids.front();
 
   LiquidStart start = prepare_start(scene_, configuration.meshes);
