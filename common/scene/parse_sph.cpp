@@ -51,7 +51,7 @@ WallFriction wall_friction(const Node& node) {
              : WallFriction::no_slip;
 }
 
-LiquidSensor parse_sensor(const Node& node, const Names& bodies) {
+LiquidSensor parse_liquid_sensor(const Node& node, const Names& bodies) {
   LiquidSensor sensor;
   node.read("name", sensor.name);
   const std::string type = node.type();
@@ -131,7 +131,8 @@ Sph parse_sph(const Node& node, const Names& bodies) {
     read.wall_friction = wall_friction(pair);
   }
   node.names("sensors");
-  for (const Node& sensor : node.elements("sensors")) sph.sensors.push_back(parse_sensor(sensor, bodies));
+  for (const Node& sensor : node.elements("sensors"))
+    sph.sensors.push_back(parse_liquid_sensor(sensor, bodies));
   node.names("inlets");
   for (const Node& inlet : node.elements("inlets")) sph.inlets.push_back(parse_liquid_inlet(inlet));
   node.names("outlets");

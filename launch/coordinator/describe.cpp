@@ -457,6 +457,10 @@ std::string remarks(const SceneFile& file, const DryRun* started, const std::str
 std::string describe(const SceneFile& file, const DryRun* started) {
   const Scene& scene = file.scene;
   std::string out = scene.name + (scene.description.empty() ? "" : ": " + scene.description) + "\n";
+  Table parameters("parameter", {"name", "value", "unit"});
+  for (const Parameter& p : file.parameters)
+    parameters.add({p.name, fmt::format("{:.10g}", p.value), p.unit});
+  out += parameters.print();
   if (scene.mbd) out += describe_mbd(file, started);
   if (scene.dem) out += describe_dem(file, started);
   if (scene.sph) out += describe_sph(file, started);

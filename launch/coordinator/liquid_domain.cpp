@@ -99,10 +99,11 @@ void surround_liquid(SceneFile& file) {
   file.scene = parse(file.text, file.origin);
   validate(file.scene, file.origin);
   const Box& box = file.scene.sph->domain;
-  file.notes.push_back(fmt::format("the liquid has a domain from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
-                                   "{:.6g}) m{}, since sph.domain gives none",
-                                   box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z,
-                                   body == ground ? "" : ", which follows '" + file.scene.body_name(body) + "'"));
+  file.notes.push_back(
+      fmt::format("the liquid has a domain from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
+                  "{:.6g}) m{}, since sph.domain gives none",
+                  box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z,
+                  body == ground ? "" : ", which follows '" + file.scene.body_name(body) + "'"));
 }
 
 }  // namespace tandem::launch

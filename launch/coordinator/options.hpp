@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -10,6 +11,7 @@ namespace tandem::launch {
 
 // Values that replace those of the scene file, for this run only.
 struct Overrides {
+  std::map<std::string, double> set;  // values of the scene's parameters, in their units
   std::optional<double> end_time;  // [s]
   std::optional<std::string> scheme;
   std::optional<double> window;  // [s]

@@ -9,6 +9,7 @@
 #include "common/input_file.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/document.hpp"
+#include "common/scene/parameters.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/particle_file.hpp"
 #include "common/scene/plain_text.hpp"
@@ -176,6 +177,7 @@ SceneFile read_scene(const std::filesystem::path& path, const Overrides& overrid
   file.origin = path.string();
   file.inputs.push_back(path);
   file.text = read_input(path, {.largest = largest_text, .hint = "give the path of a scene"});
+  file.parameters = scene::put_in_parameters(file.text, overrides.set, file.origin);
   apply(overrides, file);
   file.given = file.text;
   file.scene = scene::parse(file.text, file.origin);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/scene/model.hpp"
+#include "common/scene/parameters.hpp"
 #include "common/scene/shape_mass.hpp"
 #include "launch/coordinator/options.hpp"
 #include "launch/mesh_import/mesh_facts.hpp"
@@ -48,7 +49,8 @@ struct SceneFile {
   // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
   // scene.
   std::string text;
-  std::string given;                  // as written, including the overrides
+  std::string given;                  // as written, including the overrides and the values of parameters
+  std::vector<scene::Parameter> parameters;
   std::string origin;                 // path of the file, for messages
   scene::Scene scene;                 // parsed and validated
   std::vector<std::string> warnings;  // problems that the user should see with the results

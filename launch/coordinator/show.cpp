@@ -45,13 +45,13 @@ Frame start_of(const SceneFile& file) {
 
 }  // namespace
 
-void preview(const std::filesystem::path& scene, std::filesystem::path out) {
+void preview(const std::filesystem::path& scene, std::filesystem::path out, const Overrides& overrides) {
   if (!out.empty() && out.extension() != ".png")
     throw Error(ErrorCode::usage, "'" + out.string() + "' is no name for a picture", "--output",
                 "let it end with .png");
   if (out.empty()) out = scene.stem().string() + "_preview.png";
   expect_own_or_new(out);
-  const SceneFile file = read_scene(scene);
+  const SceneFile file = read_scene(scene, overrides);
   const Frame start = start_of(file);
   std::string title = file.scene.name;
   if (!start.radius.empty())
@@ -70,8 +70,11 @@ void movie(const std::filesystem::path& folder, const std::filesystem::path& sce
   if (scene.empty() && !exists(file))
     throw Error(ErrorCode::usage, "the scene of this run is not at '" + file.string() + "' any more",
                 folder.string(), "tell where it is: --scene FILE");
+  Overrides overrides;
+  for (const auto& [name, parameter] : run.summary.value("parameters", nlohmann::json::object()).items())
+    overrides.set[name] = parameter.at("value").get<double>();
   // The frames have the spheres: none are placed here.
-  const SceneFile drawn = read_scene(file, {}, std::nullopt);
+  const SceneFile drawn = read_scene(file, overrides, std::nullopt);
   const std::string name = run.summary.value("scene", "");
   if (!name.empty() && drawn.scene.name != name)
     throw Error(ErrorCode::usage,

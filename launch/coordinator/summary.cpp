@@ -85,6 +85,8 @@ Summary::Summary(const SceneFile& file, const RunOptions& options) : scene_(file
   if (options.transport == Transport::dds) own("dds_security") = dds_security(options);
   own("scheme") = name(scene.coupling.scheme);
   own("window_s") = scene.coupling.window;
+  for (const scene::Parameter& parameter : file.parameters)
+    own("parameters")[parameter.name] = {{"value", parameter.value}, {"unit", parameter.unit}};
   for (const PlacedGroup& placed : file.placed) {
     Json& fill = own("fills")[placed.group] = {{"spheres", placed.spheres}, {"mass_kg", placed.mass}};
     if (placed.void_fraction) fill["void_fraction"] = *placed.void_fraction;

@@ -10,6 +10,7 @@
 #include "common/scene/columns.hpp"
 #include "common/scene/implicit_settings.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "common/scene/parameters.hpp"
 #include "common/scene/parse.hpp"
 #include "common/time.hpp"
 #include "common/utf8.hpp"
@@ -68,7 +69,8 @@ class Planner {
 
  private:
   static json parse_base(const fs::path& path) {
-    const std::string text = content(path);
+    std::string text = content(path);
+    scene::put_in_parameters(text, {}, path.string());
     scene::validate(scene::parse(text, path.string()), path.string());
     json scene = json::parse(text);
     // Outputs do not affect the computation, and may not fit every window.

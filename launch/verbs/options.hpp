@@ -34,6 +34,29 @@ CLI::Validator one_of(const std::map<std::string, Value>& words) {
       fmt::format("{{{}}}", fmt::join(names, ",")));
 }
 
+// "--set mouth=0.08": values of the scene's parameters.
+inline void add_set(CLI::App& verb, std::map<std::string, double>& set) {
+  verb.add_option_function<std::vector<std::string>>(
+          "--set",
+          [&set](const std::vector<std::string>& assignments) {
+            for (const std::string& text : assignments) {
+              const std::size_t equals = text.find('=');
+              double value = 0;
+              if (equals == std::string::npos || equals == 0 ||
+                  !CLI::detail::lexical_cast(text.substr(equals + 1), value) || !std::isfinite(value))
+                throw Error(ErrorCode::usage,
+                            "'" + printable(shortened(text)) + "' gives no parameter a number", "--set",
+                            "write NAME=NUMBER, as in --set mouth=0.08");
+              if (!set.emplace(text.substr(0, equals), value).second)
+                throw Error(ErrorCode::usage,
+                            "'" + printable(shortened(text.substr(0, equals))) + "' is set twice", "--set",
+                            "leave one of them");
+            }
+          },
+          "Value of a parameter of the scene, in its unit: NAME=NUMBER; may be given several times")
+      ->allow_extra_args(false);
+}
+
 // JSON, into which the value goes, has no other numbers.
 inline void expect_finite(const std::optional<double>& seconds, const char* option) {
   if (seconds && !std::isfinite(*seconds))

@@ -46,6 +46,7 @@ void add_run(CLI::App& app, int& status) {
           "How the servers are reached: shm, inproc, dds, or stream, their standard input and output")
       ->transform(one_of(transports))
       ->default_str("shm");
+  add_set(*verb, options->overrides.set);
   verb->add_option("--end-time", options->overrides.end_time, "Replaces the scene's end_time [s]");
   verb->add_option("--scheme", options->overrides.scheme, "Replaces the scene's coupling.scheme");
   verb->add_option("--window", options->overrides.window, "Replaces the scene's coupling.window [s]");

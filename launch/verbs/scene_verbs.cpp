@@ -34,7 +34,7 @@ struct Start {
 
   SceneFile read(const std::string& path) const {
     return read_scene(
-        path, {},
+        path, options.overrides,
         SettleOn{
             .backend = options.backend, .settles = !files_only, .fills = !options.sph_server.has_value()});
   }
@@ -51,6 +51,7 @@ std::shared_ptr<Start> add_start(CLI::App& verb) {
       "--files-only", start->files_only,
       "Look at the files only; without it the solvers are started as for a run, and leave before the first "
       "window");
+  add_set(verb, start->options.overrides.set);
   add_servers(verb, start->options);
   verb.add_option("--backend", start->options.backend, "Where particles would be computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
@@ -116,7 +117,9 @@ void add_preview(CLI::App& app) {
   auto scene = std::make_shared<std::string>(), out = std::make_shared<std::string>();
   verb->add_option("scene", *scene, "Scene file")->required();
   verb->add_option("-o,--output", *out, "Picture (PNG); without it SCENE_preview.png, here");
-  verb->callback([=] { preview(*scene, *out); });
+  auto overrides = std::make_shared<Overrides>();
+  add_set(*verb, overrides->set);
+  verb->callback([=] { preview(*scene, *out, *overrides); });
 }
 
 void add_modes(CLI::App& app) {
@@ -128,7 +131,9 @@ void add_modes(CLI::App& app) {
       "--as-given", *as_given,
       "About the configuration and the rates of the scene, where the machine must stay; without it "
       "about the equilibrium near it");
-  verb->callback([=] { fmt::print("{}", machine_modes(read_scene(*scene), *as_given)); });
+  auto overrides = std::make_shared<Overrides>();
+  add_set(*verb, overrides->set);
+  verb->callback([=] { fmt::print("{}", machine_modes(read_scene(*scene, *overrides), *as_given)); });
 }
 
 void add_import(CLI::App& app) {

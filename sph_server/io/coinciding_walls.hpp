@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/io/body_walls.hpp"
 #include "sph_server/io/inlets.hpp"
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/scene/parameters.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/schema_check.hpp"
 #include "tests/unit/common/good_scene.hpp"
@@ -69,11 +70,12 @@ TEST(Schema, ScenesOfTheUsersPageAreValid) {
   int scenes = 0;
   for (std::size_t begin = page.find(fence); begin != page.npos; begin = page.find(fence, begin + 1)) {
     const std::size_t text = begin + fence.size();
-    const std::string scene = page.substr(text, page.find("```", text) - text);
+    std::string scene = page.substr(text, page.find("```", text) - text);
+    put_in_parameters(scene, {}, "page");
     EXPECT_NO_THROW(validate(parse(scene, "page"), "page")) << scene;
     ++scenes;
   }
-  EXPECT_EQ(scenes, 4);
+  EXPECT_EQ(scenes, 5);
 }
 
 // Each key stands in the user's page as `key`.

@@ -15,8 +15,8 @@ namespace tandem::launch {
 namespace liquid_domain_test {
 
 namespace fs = std::filesystem;
-using ::testing::Contains;
 using test::error_of;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 class LiquidDomain : public testing::Test {
