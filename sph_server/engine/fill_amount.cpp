@@ -1,14 +1,13 @@
 #include "sph_server/engine/fill_amount.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/geometry/closing.hpp"
 #include "common/scene/fault.hpp"
 #include "sph_server/equations/hydrostatic.hpp"
 
@@ -115,29 +114,21 @@ TriangleMesh outwards(TriangleMesh mesh, Vec3d up, double high) {
   return mesh;
 }
 
-// Refuses a mesh that is open below the level: each edge there belongs to as many triangles of one direction
-// as of the other.
+// Refuses a mesh that is open below the level. Corners may be on edges of other triangles.
 void expect_closed(const TriangleMesh& region, Vec3d up, double level) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
-  std::map<std::array<double, 3>, std::uint32_t> known;
-  std::vector<std::uint32_t> same(region.vertices.size());  // vertices at one place are one
-  for (std::uint32_t v = 0; v < region.vertices.size(); ++v) {
-    const Vec3d x = region.vertices[v];
-    same[v] = known.emplace(std::array{x.x, x.y, x.z}, v).first->second;
-  }
-  for (const auto& t : region.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = same[t[k]], to = same[t[(k + 1) % 3]];
-      balance[std::minmax(from, to)] += from < to ? 1 : -1;
-    }
-  for (const auto& [edge, sum] : balance) {
-    if (sum == 0) continue;
-    for (const std::uint32_t v : {edge.first, edge.second})
-      if (dot(region.vertices[v], up) < level - 1e-9 * (1 + std::fabs(level)))
-        refuse("a region that is not closed: its edge at " + scene::rounded(region.vertices[v]) +
-                   " m, below the level, has a triangle on one side only",
-               "give a mesh that is closed up to the level");
-  }
+  const std::optional<Opening> opening =
+      widest_opening(region, [&](Vec3d x) { return dot(x, up) < level - 1e-9 * (1 + std::fabs(level)); });
+  if (!opening) return;
+  const std::string where = scene::rounded(opening->at) + " m, below the level";
+  if (opening->of_flipped)
+    refuse("a region whose triangles do not all wind the same way, as at " + where,
+           "let them wind counter-clockwise as seen from outside");
+  double size = 0;
+  for (const Vec3d& v : region.vertices) size = std::max(size, norm(v - region.vertices.front()));
+  if (opening->width > 1e-6 * size)
+    refuse("a region that is not closed: it has an opening of some " + scene::rounded(opening->width) +
+               " m at " + where,
+           "give a mesh that is closed up to the level, and whose corners join");
 }
 
 }  // namespace

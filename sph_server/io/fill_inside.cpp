@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/geometry/closing.hpp"
 #include "common/geometry/mass_properties.hpp"
 #include "common/scene/fault.hpp"
 #include "particles/serving/boundary.hpp"
@@ -107,6 +108,23 @@ double common_volume(std::span<const TriangleMesh> solids, Vec3d up, double leve
   return volume;
 }
 
+// Corners are one within this, and liquid passes openings from this width on [spacings].
+constexpr double joined_corners = 1e-3, passable = 0.5;
+
+// The liquid would be on both sides of a wall that was meant to be a solid.
+void refuse_nearly_closed(const Closing& closing, const std::string& wall, std::size_t fill) {
+  if (closing.closure != Closure::flipped && closing.closure != Closure::slit) return;
+  const std::string width =
+      closing.closure == Closure::slit ? fmt::format(" of at most {:.3g} m", closing.width) : "";
+  throw Error(
+      ErrorCode::scene,
+      fmt::format("wall '{}' is nearly a solid, but {}{}: the liquid would be inside of it as well", wall,
+                  closing.why, width),
+      place_of_fill(fill),
+      "repair the mesh in the program that made it; where liquid is meant on both sides, leave an opening "
+      "of a spacing");
+}
+
 // The closed walls that are in the region below `level` along `up`, with their normals outwards. A wall may
 // stand on the surface of the region. What a wall leaves open and no other one closes has liquid on both
 // sides.
@@ -118,8 +136,11 @@ std::vector<TriangleMesh> solids_in(const scene::Scene& scene, const std::vector
   std::vector<TriangleMesh> solids;
   for (const scene::Wall& other : scene.sph->walls) {
     if (other.name == wall || std::holds_alternative<scene::PlaneShape>(other.shape)) continue;
-    TriangleMesh mesh = in_world(whole_mesh_of(other, *scene.sph, meshes), other.body, scene);
-    if (!why_not_solid(mesh).empty()) continue;
+    Closing closing = closing_of(in_world(whole_mesh_of(other, *scene.sph, meshes), other.body, scene),
+                                 joined_corners * spacing, passable * spacing);
+    refuse_nearly_closed(closing, other.name, fill);
+    if (closing.closure != Closure::solid) continue;
+    TriangleMesh mesh = std::move(closing.mesh);
     if (is_inside_out(mesh)) turn_over(mesh);
     std::optional<Vec3d> inside, outside;
     for (const auto& t : mesh.triangles) {
@@ -139,6 +160,24 @@ std::vector<TriangleMesh> solids_in(const scene::Scene& scene, const std::vector
     solids.push_back(std::move(mesh));
   }
   return solids;
+}
+
+// Twice the volume over the surface is the width of a thin shell, as of the metal of a vessel that a program
+// for drawing exports as one solid.
+void refuse_narrow(const TriangleMesh& region, Vec3d up, double high, double spacing, std::size_t fill) {
+  double area = 0;
+  for (const auto& t : region.triangles)
+    area += 0.5 * norm(cross(region.vertices[t[1]] - region.vertices[t[0]],
+                             region.vertices[t[2]] - region.vertices[t[0]]));
+  const double width = 2 * volume_below(region, up, high) / area;
+  if (width < spacing)
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the region is {:.3g} m wide on average, less than sph.spacing of {:.3g} m", width,
+                    spacing),
+        place_of_fill(fill),
+        "take a smaller spacing; if the mesh is a vessel with the thickness of its metal, fill a wall that "
+        "is the surface of its cavity alone");
 }
 
 }  // namespace
@@ -204,6 +243,7 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
       throw Error(ErrorCode::scene,
                   fmt::format("the closed walls in wall '{}' leave no room for the liquid", wall.name),
                   place_of_fill(k), "leave out those that are the same as the wall, or fill boxes");
+    refuse_narrow(filled.region, up, high, sph.spacing, k);
     filled.depth = depth();
     // Where a volume is given, the level depends on what the solids have in common below it.
     for (int n = 0; n < (solids.size() < 2 ? 0 : inside->level ? 1 : 3); ++n) {
