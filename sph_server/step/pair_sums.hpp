@@ -16,6 +16,7 @@ struct Quanta {
   particles::Quantum rate;          // [1/s]
   particles::Quantum power;         // [W]
   particles::Quantum torque;        // [N m]
+  particles::Quantum square;        // of Mach numbers and compressions [-]
 };
 
 // Fixed-point sums are of rounded addends that are antisymmetric to the bit, so that the sums over all
