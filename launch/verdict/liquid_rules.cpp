@@ -47,7 +47,7 @@ void add_liquid_rules(std::vector<Rule>& table) {
          return fmt::format(
              "the density of up to {:.2g} of the mass of the liquid is off by more than {:.2g} (limit {:.2g} "
              "of "
-             "the mass), by {:.2g} in the mean: {}; the step becomes shorter by the same factor",
+             "the mass), by up to {:.2g} in the mean: {}; the step becomes shorter by the same factor",
              f.value, sph::largest_density_error, limit, error,
              faster_sound(run, sph::sound_factor_for_density(error)));
        }});
@@ -63,7 +63,7 @@ void add_liquid_rules(std::vector<Rule>& table) {
                      return fmt::format(
                          "up to {:.2g} of the mass of the liquid has more than {:.2g} of the speed of sound "
                          "(limit {:.2g} "
-                         "of the mass), {:.2g} in the mean: {}, or an expected_speed of {:.2g} m/s",
+                         "of the mass), up to {:.2g} in the mean: {}, or an expected_speed of {:.2g} m/s",
                          f.value, sph::largest_flow_mach, limit, mach, faster_sound(run, factor),
                          0.1 * factor * run.facts.sph.sound_speed.value_or(0));
                    }});

@@ -43,8 +43,8 @@ class Solver final : public protocol::LoadSolver {
     double density_error = 0;  // largest |rho/rho0 - 1| [-]
     double volume_error = 0;   // largest |V/V0 - 1| of the whole liquid, V0 without pressure [-]
     double speed = 0;          // largest of a particle [m/s]
-    // Largest shares of the mass beyond the limits of equations/limits.hpp, and the root of the mean square
-    // of the Mach number and of |rho/rho0 - 1| of that mass at that time [-].
+    // Largest shares of the mass beyond the limits of equations/limits.hpp at one time, and the largest root
+    // of the mean square of its Mach number and of its |rho/rho0 - 1| while it was too much mass [-].
     double fast_share = 0, fast_mach = 0, dense_share = 0, dense_compression = 0;
     double wall_speed = 0;     // bound of that of walls [m/s]
     double shortest_step = 0;  // [s]; 0: none was taken

@@ -72,7 +72,8 @@ Error Solver::explained(const Error& error) const {
 
 std::string Solver::sentence_of_density() const {
   return fmt::format(
-      "the density of up to {:.2g} of the mass of the liquid was off by more than {:.2g}, by {:.2g} in the "
+      "the density of up to {:.2g} of the mass of the liquid was off by more than {:.2g}, by up to {:.2g} in "
+      "the "
       "mean: use a sound_speed of {:.3g} m/s (now {:.3g})",
       memory_.dense_share, largest_density_error, memory_.dense_compression,
       sound_factor_for_density(memory_.dense_compression) * properties_.sound_speed, properties_.sound_speed);
@@ -80,7 +81,8 @@ std::string Solver::sentence_of_density() const {
 
 std::string Solver::sentence_of_mach() const {
   return fmt::format(
-      "up to {:.2g} of the mass of the liquid had more than {:.2g} of the speed of sound, {:.2g} in the "
+      "up to {:.2g} of the mass of the liquid had more than {:.2g} of the speed of sound, up to {:.2g} in "
+      "the "
       "mean: "
       "use a sound_speed of {:.3g} m/s (now {:.3g})",
       memory_.fast_share, largest_flow_mach, memory_.fast_mach,
@@ -91,14 +93,13 @@ void Solver::watch_limits() {
   const StepFigures figures = engine_->figures();
   memory_.density_error = std::max(memory_.density_error, figures.largest_compression);
   memory_.speed = std::max(memory_.speed, figures.largest_speed);
-  if (figures.fast_share > memory_.fast_share) {
-    memory_.fast_share = figures.fast_share;
-    memory_.fast_mach = figures.fast_mach;
-  }
-  if (figures.dense_share > memory_.dense_share) {
-    memory_.dense_share = figures.dense_share;
-    memory_.dense_compression = figures.dense_compression;
-  }
+  const auto keep = [](double share, double mean, double limit, double& most, double& mean_beyond) {
+    most = std::max(most, share);
+    if (share > limit) mean_beyond = std::max(mean_beyond, mean);
+  };
+  keep(figures.fast_share, figures.fast_mach, largest_fast_share, memory_.fast_share, memory_.fast_mach);
+  keep(figures.dense_share, figures.dense_compression, largest_dense_share, memory_.dense_share,
+       memory_.dense_compression);
   if (memory_.dense_share > largest_dense_share && !std::exchange(warned_density_, true))
     log::warn("{}", sentence_of_density());
   if (memory_.fast_share > largest_fast_share && !std::exchange(warned_mach_, true))
