@@ -47,6 +47,10 @@ struct LiquidPair {
   WallFriction wall_friction = WallFriction::no_slip;
 };
 
+struct RectangleShape {
+  double x = 0, y = 0;  // edges [m]
+};
+
 // What the solver of the liquid measures. Columns of sensors.csv. Of a load `wall` is the wall that it acts
 // on, or all walls of the body, and the position of the pose is the point that its torques are about.
 struct LiquidSensor : ParticleSensor {
@@ -55,11 +59,11 @@ struct LiquidSensor : ParticleSensor {
   // Unit vector in the frame of the body: of a load the axis about which its torque is given, of a level the
   // line along which it is measured; absent: no such torque, and a line against gravity.
   std::optional<Vec3d> axis = {};
+  // Of a pressure: the rectangle in the x-y plane of the pose on which walls are loaded; the z axis points
+  // into the liquid. Absent: the pressure at the point.
+  std::optional<RectangleShape> area = {};
 };
 
-struct RectangleShape {
-  double x = 0, y = 0;  // edges [m]
-};
 struct DiscShape {
   double radius = 0;  // [m]
 };

@@ -68,6 +68,13 @@ LiquidSensor parse_liquid_sensor(const Node& node, const Names& bodies) {
   sensor.body = read_body(node, "body", bodies);
   node.read("position", sensor.pose.p_WB);
   if (node.has("axis")) node.read_unit("axis", sensor.axis.emplace());
+  if (node.has("area")) {
+    const nlohmann::json& size = node.value().at("area");
+    sensor.area = RectangleShape{size[0].get<double>(), size[1].get<double>()};
+    node.read("orientation", sensor.pose.q_WB);
+  } else if (node.has("orientation")) {
+    node.fail("orientation", "the pressure at a point has no orientation", "give an area, or leave it out");
+  }
   return sensor;
 }
 

@@ -36,29 +36,37 @@ std::string faster_sound(const RunFigures& run, double factor) {
 
 void add_liquid_rules(std::vector<Rule>& table) {
   table.push_back(
-      {"liquid_density", "sph.density_error", sph::largest_density_error,
-       "a liquid is meant to keep its density; volumes and pressures are off by about this share",
+      {"liquid_density", "sph.dense_share", sph::largest_dense_share,
+       "share of the mass whose density is off by more than 0.03: a liquid is meant to keep its density; "
+       "volumes and pressures are off by about as much; single droplets and the first instant of an impact "
+       "do not count",
        "a larger speed of sound", nullptr,
-       [](const RunFigures& run) { return of_liquid(run.facts.sph.density_error); },
+       [](const RunFigures& run) { return of_liquid(run.facts.sph.dense_share); },
        [](const RunFigures& run, const Figure& f, double limit) {
+         const double error = run.facts.sph.dense_error.value_or(sph::largest_density_error);
          return fmt::format(
-             "the density of the liquid is off by up to {:.2g} (limit {:.2g}): {}; the step becomes "
-             "shorter by the same factor",
-             f.value, limit, faster_sound(run, sph::sound_factor_for_density(f.value)));
+             "the density of up to {:.2g} of the mass of the liquid is off by more than {:.2g} (limit {:.2g} "
+             "of "
+             "the mass), by up to {:.2g} in the mean: {}; the step becomes shorter by the same factor",
+             f.value, sph::largest_density_error, limit, error,
+             faster_sound(run, sph::sound_factor_for_density(error)));
        }});
-  table.push_back(
-      {"mach", "sph.mach", sph::largest_mach,
-       "up to a tenth of the speed of sound walls keep the liquid, and its density varies by about "
-       "1 %",
-       "a larger speed of sound", nullptr,
-       [](const RunFigures& run) { return of_liquid(run.facts.sph.mach); },
-       [](const RunFigures& run, const Figure& f, double limit) {
-         return fmt::format(
-             "the fastest particle of the liquid has {:.2g} of the speed of sound (limit {:.2g}): {}, "
-             "or an expected_speed of {:.2g} m/s",
-             f.value, limit, faster_sound(run, sph::sound_factor_for_mach(f.value)),
-             f.value * run.facts.sph.sound_speed.value_or(0));
-       }});
+  table.push_back({"mach", "sph.fast_share", sph::largest_fast_share,
+                   "share of the mass that has more than 0.2 of the speed of sound: its stagnation pressure "
+                   "is off by more "
+                   "than 1 %, and compresses it by more than 2 %; single droplets do not count",
+                   "a larger speed of sound", nullptr,
+                   [](const RunFigures& run) { return of_liquid(run.facts.sph.fast_share); },
+                   [](const RunFigures& run, const Figure& f, double limit) {
+                     const double mach = run.facts.sph.fast_mach.value_or(sph::largest_flow_mach);
+                     const double factor = sph::sound_factor_for_mach(mach);
+                     return fmt::format(
+                         "up to {:.2g} of the mass of the liquid has more than {:.2g} of the speed of sound "
+                         "(limit {:.2g} "
+                         "of the mass), up to {:.2g} in the mean: {}, or an expected_speed of {:.2g} m/s",
+                         f.value, sph::largest_flow_mach, limit, mach, faster_sound(run, factor),
+                         0.1 * factor * run.facts.sph.sound_speed.value_or(0));
+                   }});
   table.push_back({"passed_walls", "sph.passed_walls", 0, "a wall keeps the liquid on its side",
                    "a larger speed of sound, or a smaller spacing", nullptr,
                    [](const RunFigures& run) -> Figures {

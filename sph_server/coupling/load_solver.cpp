@@ -25,8 +25,9 @@ std::unique_ptr<protocol::LoadSolver> make_solver() {
 }
 
 bool Solver::Memory::is_possible() const {
-  for (const double figure : {density_error, volume_error, speed, wall_speed, shortest_step, energy_scale,
-                              energy_came, energy_went, energy_lost})
+  for (const double figure :
+       {density_error, volume_error, speed, fast_share, fast_mach, dense_share, dense_compression, wall_speed,
+        shortest_step, energy_scale, energy_came, energy_went, energy_lost})
     if (!(std::isfinite(figure) && figure >= 0)) return false;
   return std::isfinite(energy_start) && std::isfinite(energy_residual);
 }

@@ -43,6 +43,9 @@ class Solver final : public protocol::LoadSolver {
     double density_error = 0;  // largest |rho/rho0 - 1| [-]
     double volume_error = 0;   // largest |V/V0 - 1| of the whole liquid, V0 without pressure [-]
     double speed = 0;          // largest of a particle [m/s]
+    // Largest shares of the mass beyond the limits of equations/limits.hpp at one time, and the largest root
+    // of the mean square of its Mach number and of its |rho/rho0 - 1| while it was too much mass [-].
+    double fast_share = 0, fast_mach = 0, dense_share = 0, dense_compression = 0;
     double wall_speed = 0;     // bound of that of walls [m/s]
     double shortest_step = 0;  // [s]; 0: none was taken
     double energy_start = 0;   // kinetic and of compression [J]
@@ -76,6 +79,8 @@ class Solver final : public protocol::LoadSolver {
   void record(const Traffic::Brought& brought);
   void record_lost(double time);
   std::string sentence_of_lost() const;
+  std::string sentence_of_density() const;
+  std::string sentence_of_mach() const;
   double mass() const { return static_cast<double>(id_.size()) * properties_.mass(); }  // [kg]
   std::size_t check_memory(const LiquidStart& start) const;
   void watch_limits();

@@ -7,6 +7,7 @@
 
 #include "common/scene/sensor_columns.hpp"
 #include "sph_server/engine/probe.hpp"
+#include "sph_server/io/patches.hpp"
 
 namespace tandem::sph {
 namespace {
@@ -42,13 +43,17 @@ Sensors::Sensors(const scene::Scene& scene, const LiquidSetup& setup, const std:
         sensor.of.body = walls[w].body;
         sensor.wall = w;
         if (of.kind == Kind::load) sensor.walls.push_back(w);
+        if (!of.area || walls[w].patch != of.name) continue;
+        sensor.walls.push_back(w);
+        sensor.area += area_along(walls[w].mesh, of.pose.q_WB.rotate({0, 0, 1}));
       }
     sensor.fixed = sensor.of.body == ground;
     sensor.against_gravity = of.kind == Kind::level && !of.axis;
     if (sensor.against_gravity) sensor.of.axis = -1.0 / norm(scene.gravity) * scene.gravity;
   }
-  if (std::ranges::any_of(
-          sensors_, [](const Sensor& s) { return s.of.kind == Kind::level || s.of.kind == Kind::pressure; }))
+  if (std::ranges::any_of(sensors_, [](const Sensor& s) {
+        return s.of.kind == Kind::level || (s.of.kind == Kind::pressure && !s.of.area);
+      }))
     walls_ = Walls(setup.walls, setup.liquid.support());
 }
 
@@ -79,7 +84,7 @@ void Sensors::begin_window() {
 
 void Sensors::add_step(double dt, std::span<const Wrench> loads, std::span<const particles::BodyPose> poses) {
   for (Sensor& sensor : sensors_) {
-    if (sensor.of.kind != Kind::load) continue;
+    if (sensor.walls.empty()) continue;
     const particles::BodyPose body = pose_of(sensor, poses);
     Vec3d force, torque;
     for (const std::size_t w : sensor.walls) {
@@ -155,7 +160,12 @@ const std::vector<double>& Sensors::measure(const LiquidState& state,
             probe.level_on(point, sensor.against_gravity ? *sensor.of.axis : body.R * *sensor.of.axis));
         break;
       case Kind::pressure:
-        values_.push_back(probe.pressure_at(point));
+        if (sensor.of.area) {
+          const Vec3d inwards = body.R * sensor.of.pose.q_WB.rotate({0, 0, 1});
+          values_.push_back(length > 0 ? -dot(sensor.force, inwards) / (length * sensor.area) : 0);
+        } else {
+          values_.push_back(probe.pressure_at(point));
+        }
     }
   }
   return values_;

@@ -1,5 +1,5 @@
 // Sensors of the liquid: what is in a region, on a line and at a point at the end of each window, and the
-// load on walls as a mean over it.
+// load on walls and the pressure on their areas as means over it.
 #pragma once
 
 #include <span>
@@ -41,7 +41,8 @@ class Sensors {
  private:
   struct Sensor {
     scene::LiquidSensor of;
-    std::vector<std::size_t> walls;  // of a load
+    std::vector<std::size_t> walls;  // of a load, and in the area of a pressure
+    double area = 0;                 // of these walls, along the axis of a pressure [m2]
     std::size_t wall = 0;            // one of its body, for the pose
     bool fixed = false;              // to the ground
     bool against_gravity = false;    // the axis is in the world

@@ -53,12 +53,12 @@ std::string Solver::sentence_of_lost() const {
 // A liquid that is far too fast or too dense goes anywhere at last: the error then says so first.
 Error Solver::explained(const Error& error) const {
   if (error.code() != ErrorCode::numerics) return error;
-  if (memory_.density_error > largest_density_error || mach() > largest_mach)
+  if (memory_.density_error > largest_density_error || mach() > largest_flow_mach)
     return Error(
         error.code(),
         fmt::format("{}; before, the density of the liquid was off by {:.2g} (limit {:.2g}), and "
                     "its fastest particle had {:.2g} of the speed of sound (limit {:.2g})",
-                    error.problem(), memory_.density_error, largest_density_error, mach(), largest_mach),
+                    error.problem(), memory_.density_error, largest_density_error, mach(), largest_flow_mach),
         error.where(),
         fmt::format("use a larger sound_speed (now {:.3g} m/s): ten times the largest speed that "
                     "liquid and walls will have",
@@ -70,19 +70,40 @@ Error Solver::explained(const Error& error) const {
   return error;
 }
 
+std::string Solver::sentence_of_density() const {
+  return fmt::format(
+      "the density of up to {:.2g} of the mass of the liquid was off by more than {:.2g}, by up to {:.2g} in "
+      "the "
+      "mean: use a sound_speed of {:.3g} m/s (now {:.3g})",
+      memory_.dense_share, largest_density_error, memory_.dense_compression,
+      sound_factor_for_density(memory_.dense_compression) * properties_.sound_speed, properties_.sound_speed);
+}
+
+std::string Solver::sentence_of_mach() const {
+  return fmt::format(
+      "up to {:.2g} of the mass of the liquid had more than {:.2g} of the speed of sound, up to {:.2g} in "
+      "the "
+      "mean: "
+      "use a sound_speed of {:.3g} m/s (now {:.3g})",
+      memory_.fast_share, largest_flow_mach, memory_.fast_mach,
+      sound_factor_for_mach(memory_.fast_mach) * properties_.sound_speed, properties_.sound_speed);
+}
+
 void Solver::watch_limits() {
   const StepFigures figures = engine_->figures();
   memory_.density_error = std::max(memory_.density_error, figures.largest_compression);
   memory_.speed = std::max(memory_.speed, figures.largest_speed);
-  if (memory_.density_error > largest_density_error && !std::exchange(warned_density_, true))
-    log::warn("the density of a particle is off by {:.2g}, beyond {:.2g}: use a sound_speed of {:.3g} m/s",
-              memory_.density_error, largest_density_error,
-              sound_factor_for_density(memory_.density_error) * properties_.sound_speed);
-  if (mach() > largest_mach && !std::exchange(warned_mach_, true))
-    log::warn(
-        "a particle has {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use a sound_speed of {:.3g} "
-        "m/s",
-        memory_.speed, mach(), largest_mach, sound_factor_for_mach(mach()) * properties_.sound_speed);
+  const auto keep = [](double share, double mean, double limit, double& most, double& mean_beyond) {
+    most = std::max(most, share);
+    if (share > limit) mean_beyond = std::max(mean_beyond, mean);
+  };
+  keep(figures.fast_share, figures.fast_mach, largest_fast_share, memory_.fast_share, memory_.fast_mach);
+  keep(figures.dense_share, figures.dense_compression, largest_dense_share, memory_.dense_share,
+       memory_.dense_compression);
+  if (memory_.dense_share > largest_dense_share && !std::exchange(warned_density_, true))
+    log::warn("{}", sentence_of_density());
+  if (memory_.fast_share > largest_fast_share && !std::exchange(warned_mach_, true))
+    log::warn("{}", sentence_of_mach());
 }
 
 void Solver::watch_energy() {
@@ -104,18 +125,8 @@ void Solver::warn(const std::string& sentence) {
 
 std::vector<std::string> Solver::warnings_of_run() const {
   std::vector<std::string> all = warnings_;
-  if (memory_.density_error > largest_density_error)
-    all.push_back(fmt::format(
-        "the density of the liquid was off by up to {:.2g} (limit {:.2g}): use a sound_speed of {:.3g} m/s "
-        "(now {:.3g})",
-        memory_.density_error, largest_density_error,
-        sound_factor_for_density(memory_.density_error) * properties_.sound_speed, properties_.sound_speed));
-  if (mach() > largest_mach)
-    all.push_back(fmt::format(
-        "the fastest particle of the liquid had {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): use "
-        "a sound_speed of {:.3g} m/s (now {:.3g})",
-        memory_.speed, mach(), largest_mach, sound_factor_for_mach(mach()) * properties_.sound_speed,
-        properties_.sound_speed));
+  if (memory_.dense_share > largest_dense_share) all.push_back(sentence_of_density());
+  if (memory_.fast_share > largest_fast_share) all.push_back(sentence_of_mach());
   if (memory_.wall_speed > largest_mach * properties_.sound_speed) all.push_back(sentence_of_walls());
   if (memory_.lost > 0) all.push_back(sentence_of_lost());
   for (const std::string& sentence : sensors_.warnings(seen_)) all.push_back(sentence);
@@ -139,6 +150,10 @@ protocol::Report Solver::report() {
   facts.solver_seconds = solver_seconds_;
   facts.density_error = memory_.density_error;
   facts.mach = mach();
+  facts.fast_share = memory_.fast_share;
+  facts.fast_mach = memory_.fast_mach;
+  facts.dense_share = memory_.dense_share;
+  facts.dense_error = memory_.dense_compression;
   facts.volume_error = memory_.volume_error;
   facts.passed_walls = figures.passed_walls;
   facts.energy_residual = memory_.energy_residual;

@@ -89,9 +89,12 @@ struct StepFigures {
   double largest_speed = 0;         // relative to the vessel [m/s]
   double largest_acceleration = 0;  // [m/s2]
   double largest_compression = 0;   // largest |rho/rho0 - 1|: some 0.01 where the sound speed suffices [-]
-  Vec3d pair_impulse_rate;          // sum of all pair forces [N]: zero
-  std::uint64_t rebuilds = 0;       // of the lists since the start
-  std::uint64_t passed_walls = 0;   // particles that passed a wall since the start
+  // Of the particles beyond largest_flow_mach and beyond largest_density_error: their share of all, and the
+  // root of the mean square of their Mach numbers and compressions [-].
+  double fast_share = 0, fast_mach = 0, dense_share = 0, dense_compression = 0;
+  Vec3d pair_impulse_rate;         // sum of all pair forces [N]: zero
+  std::uint64_t rebuilds = 0;      // of the lists since the start
+  std::uint64_t passed_walls = 0;  // particles that passed a wall since the start
 };
 
 // What a step costs, as set_state() found it.

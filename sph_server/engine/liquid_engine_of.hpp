@@ -48,6 +48,7 @@ class LiquidEngineOf final : public LiquidEngine {
     mark_.support = backs_.support = setup.liquid.support();
     see_.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     rates_.properties = setup.liquid;
+    rates_.inverse_sound2 = 1 / (setup.liquid.sound_speed * setup.liquid.sound_speed);
     rates_.peak = wall_sums_.peak = Kernel<double>::of_support(setup.liquid.support()).peak;
     wall_sums_.wall = WallConstants::of(setup.liquid);
     wall_sums_.repulsion = WallRepulsion::of(setup.liquid);
@@ -414,6 +415,8 @@ class LiquidEngineOf final : public LiquidEngine {
     quanta_.rate = particles::Quantum::for_range(1e4 * c / l.spacing);
     quanta_.power = particles::Quantum::for_range(l.mass() * (acceleration + many * c * c / l.spacing) * c);
     const Vec3d size = setup_.domain.max - setup_.domain.min;
+    // Beyond these squares the run ends at once.
+    quanta_.square = particles::Quantum::for_range(1e4 * many);
     quanta_.torque = particles::Quantum::for_range(l.mass() * acceleration * norm(size));
     // Of two particles. A liquid at twice its density, where the run ends, has 3 and 1.
     const double fastest = c / l.spacing,
@@ -565,6 +568,16 @@ class LiquidEngineOf final : public LiquidEngine {
     figures_.largest_speed = std::sqrt(sum.largest_speed2);
     figures_.largest_acceleration = std::sqrt(sum.largest_acceleration2);
     figures_.largest_compression = sum.largest_compression;
+    const auto share = [this](std::uint32_t n) {
+      return count_ > 0 ? static_cast<double>(n) / static_cast<double>(count_) : 0;
+    };
+    const auto mean = [this](std::int64_t squares, std::uint32_t n) {
+      return n > 0 ? std::sqrt(particles::from_fixed(squares, quanta_.square) / n) : 0;
+    };
+    figures_.fast_share = share(sum.fast);
+    figures_.fast_mach = mean(sum.fast_mach2, sum.fast);
+    figures_.dense_share = share(sum.dense);
+    figures_.dense_compression = mean(sum.dense_compression2, sum.dense);
     for (int a = 0; a < 3; ++a)
       figures_.pair_impulse_rate[a] =
           setup_.liquid.mass() * particles::from_fixed(sum.momentum_rate[a], quanta_.acceleration);

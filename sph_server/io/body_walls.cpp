@@ -12,6 +12,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/fault.hpp"
+#include "sph_server/io/patches.hpp"
 #include "sph_server/io/wall_meshes.hpp"
 
 namespace tandem::sph {
@@ -72,6 +73,44 @@ void refuse_doubles(const std::string& wall, const TriangleMesh& mesh) {
 // Whether a sensor measures the load on this wall alone.
 bool is_sensed(const scene::Sph& sph, const scene::Wall& wall) {
   return std::ranges::any_of(sph.sensors, [&](const scene::LiquidSensor& s) { return s.wall == wall.name; });
+}
+
+BodyWalls part_of(const BodyWalls& whole, TriangleMesh mesh, const std::vector<std::size_t>& from) {
+  BodyWalls part = whole;
+  part.mesh = std::move(mesh);
+  part.wall.clear();
+  for (const std::size_t t : from) part.wall.push_back(whole.wall[t]);
+  return part;
+}
+
+// Makes the walls in the area of a sensor parts for themselves, in front of what is left of them.
+void set_apart(const scene::LiquidSensor& sensor, std::vector<BodyWalls>& all) {
+  std::vector<BodyWalls> parts;
+  bool found = false;
+  for (const BodyWalls& walls : all) {
+    CutMesh cut;
+    if (walls.body == sensor.body && walls.patch.empty())
+      cut = cut_by_box(walls.mesh, sensor.pose, patch_size(*sensor.area));
+    if (cut.inside.triangles.empty()) {
+      parts.push_back(walls);
+      continue;
+    }
+    found = true;
+    BodyWalls& patch = parts.emplace_back(part_of(walls, std::move(cut.inside), cut.inside_of));
+    patch.patch = sensor.name;
+    patch.approximations.clear();
+    if (!cut.outside.triangles.empty())
+      parts.push_back(part_of(walls, std::move(cut.outside), cut.outside_of));
+  }
+  if (!found)
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("no wall of its body is in the area of sensor '{}', {:.4g} x {:.4g} m and up to "
+                    "{:.4g} m along its z axis",
+                    sensor.name, sensor.area->x, sensor.area->y, 0.5 * patch_size(*sensor.area).z),
+        "sph.sensors",
+        "move it onto a wall that no other sensor's area covers, and turn its z axis into the liquid");
+  all = std::move(parts);
 }
 
 }  // namespace
@@ -143,6 +182,8 @@ std::vector<BodyWalls> walls_of_bodies(const scene::Scene& scene, const std::vec
   }
   std::vector<BodyWalls> all;
   for (auto& [key, group] : groups) all.push_back(std::move(group));
+  for (const scene::LiquidSensor& sensor : sph.sensors)
+    if (sensor.area) set_apart(sensor, all);
   return all;
 }
 

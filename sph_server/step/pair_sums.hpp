@@ -16,6 +16,7 @@ struct Quanta {
   particles::Quantum rate;          // [1/s]
   particles::Quantum power;         // [W]
   particles::Quantum torque;        // [N m]
+  particles::Quantum square;        // of Mach numbers and compressions [-]
 };
 
 TANDEM_HD inline Vec3d metric(const std::int64_t (&acceleration)[3], const Quanta& q) {

@@ -19,8 +19,9 @@ struct SumRates {
   const std::uint32_t* before = nullptr;            // how many of those precede each particle (count + 1)
   Quanta quanta;
   Liquid properties;
-  double peak = 0;  // W(0) [1/m3]
-  Vec3d frame;      // velocity relative to which speeds count [m/s]
+  double peak = 0;            // W(0) [1/m3]
+  double inverse_sound2 = 0;  // 1/c0^2 [s2/m2]
+  Vec3d frame;                // velocity relative to which speeds count [m/s]
 
   template <class Bodies>
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally, Bodies&) const {
@@ -56,7 +57,9 @@ struct SumRates {
     const Vec3d v = particles::velocity_of(liquid.velocity[i], liquid.fine_part(i));
     const Vec3d acceleration = properties.gravity + metric(sum.acceleration, quanta);
     tally.add(Power::gravity, mass * dot(properties.gravity, v), quanta.power);
-    tally.observe(norm2(v - frame), norm2(acceleration), std::fabs(compression));
+    const double speed2 = norm2(v - frame);
+    tally.observe(speed2, norm2(acceleration), std::fabs(compression));
+    tally.judge(speed2 * inverse_sound2, std::fabs(compression), quanta.square);
     liquid.acceleration[0][i] = acceleration;
     liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion + by_closing;
     liquid.filled[i] = static_cast<float>(filled);

@@ -612,6 +612,20 @@ json sensed_vat() {
       sensor({{"type", "level"}, {"name", "gauge"}, {"position", {0.05, 0.02, -0.1}}}),
       sensor({{"type", "pressure"}, {"name", "bottom"}, {"position", {0.03, 0.01, -0.1}}}),
       sensor({{"type", "pressure"}, {"name", "side"}, {"position", {0.2, 0.03, -0.05}}}),
+      sensor({{"type", "pressure"},
+              {"name", "floor_patch"},
+              {"position", {0.03, 0.01, -0.1}},
+              {"area", {0.06, 0.04}}}),
+      sensor({{"type", "pressure"},
+              {"name", "side_patch"},
+              {"position", {0.2, 0.03, -0.05}},
+              {"orientation", {std::sqrt(0.5), 0, -std::sqrt(0.5), 0}},
+              {"area", {0.04, 0.06}}}),
+      sensor({{"type", "pressure"},
+              {"name", "dry_patch"},
+              {"position", {0.2, 0, 0.15}},
+              {"orientation", {std::sqrt(0.5), 0, -std::sqrt(0.5), 0}},
+              {"area", {0.04, 0.04}}}),
       sensor({{"type", "region"},
               {"name", "right"},
               {"position", {0.1, 0, 0}},
@@ -678,6 +692,10 @@ TEST(LiquidSensors, MeasureAStillVat) {
   expect_start("level above the floor [m]", 0.16, mean["gauge.level"], 0.15 * 0.02);
   expect_start("pressure at the bottom [Pa]", 9810 * 0.16, mean["bottom.pressure"], 0.03 * 9810 * 0.16);
   expect_start("pressure at a side", 9810 * 0.11, mean["side.pressure"], 0.03 * 9810 * 0.16);
+  expect_start("load per area of a patch of the floor", 9810 * 0.16, mean["floor_patch.pressure"],
+               0.03 * 9810 * 0.16);
+  expect_start("of a patch of a side", 9810 * 0.11, mean["side_patch.pressure"], 0.03 * 9810 * 0.16);
+  expect_start("of a patch above the liquid", 0, mean["dry_patch.pressure"], 0);
   expect_start("mass in the right half [kg]", 6.4, mean["right.mass"], 1e-9);
   expect_start("volume there [m3]", 6.4e-3, mean["right.volume"], 0.01 * 6.4e-3);
   expect_start("mass that passed [kg]", 0, mean["right.passed"], 0.01);
@@ -713,14 +731,27 @@ TEST(LiquidSensors, HaveTheSameBitsAfterARollback) {
   for (const std::vector<double>& values : first) EXPECT_TRUE(run.advance().sensors == values);
 }
 
-// Sensors do not change the liquid.
+TEST(LiquidSensors, RefuseAnAreaWithoutAWall) {
+  json scene = sensed_vat();
+  scene["sph"]["sensors"][5]["position"] = {0, 0, 0};
+  const std::string sentence = test::error_of([&] { SensedRun run(scene); });
+  EXPECT_NE(sentence.find("area of sensor 'floor_patch'"), std::string::npos) << sentence;
+}
+
+// Sensors do not change the liquid, up to rounding: areas cut triangles into several.
 TEST(LiquidSensors, LeaveTheLiquidAsItIs) {
-  json without = sensed_vat();
+  json without = sensed_vat(), no_areas = sensed_vat();
   without["sph"].erase("sensors");
-  SensedRun a(sensed_vat()), b(without);
+  json& sensors = no_areas["sph"]["sensors"];
+  std::erase_if(sensors.get_ref<json::array_t&>(),
+                [](const json& sensor) { return sensor.contains("area"); });
+  ASSERT_EQ(sensors.size(), 6u);
+  SensedRun a(sensed_vat()), b(no_areas), c(without);
   for (int i = 0; i < 20; ++i) {
-    const Vec3d with = a.advance().bodies[0].mean.force, plain = b.advance().bodies[0].mean.force;
+    const Vec3d with_areas = a.advance().bodies[0].mean.force, with = b.advance().bodies[0].mean.force,
+                plain = c.advance().bodies[0].mean.force;
     EXPECT_LT(norm(with - plain), 1e-9 * norm(plain));
+    EXPECT_LT(norm(with_areas - plain), 2e-8 * norm(plain));
   }
 }
 
