@@ -22,7 +22,7 @@ LIFTERS, LIFTER_WIDTH, LIFTER_HEIGHT = 3, 0.08, 0.05
 GAP = 0.003                       # between parts that do not touch
 DRAIN_RADIUS, DRAIN_Z = 0.045, -0.215     # round hole in the back of the tub
 WATER = 12.0
-BALLS, BALL_RADIUS, BALL_DENSITY = 10, 0.05, 800   # laundry
+BALLS, BALL_RADIUS, BALL_DENSITY = 8, 0.06, 600   # laundry
 SPEED = 45 * 2 * math.pi / 60
 SPRINGS = [(0.28, -0.15, 0.86), (-0.28, -0.15, 0.86), (0.28, 0.18, 0.86), (-0.28, 0.18, 0.86)]
 SPRING, SPRING_DAMPING = 3800, 30
@@ -34,7 +34,7 @@ DRAIN, DRAIN_TIME = STEADY + REVOLUTION, 0.25
 END = 4.5
 
 DESCRIPTION = (
-    "A washing machine with 12 litres of water and ten balls of wet laundry. The drum has holes and three lifters and turns at 45 rpm in a "
+    "A washing machine with 12 litres of water and eight balls of wet laundry. The drum has holes and three lifters and turns at 45 rpm in a "
     "tub on springs; then a valve in the back of the tub opens and the water runs out. The balls are grains: they and the water load the "
     "same drum, but do not feel each other. washing_machine_water.py wrote this file.")
 
@@ -71,8 +71,8 @@ def drum(panels, rows):
 
 
 def hole_radius(panels, rows):
-    """Three quarters of the smaller edge of a cell across."""
-    return 0.375 * min(2 * DRUM_RADIUS * math.sin(math.pi / panels), DRUM_LENGTH / rows)
+    """Four fifths of the smaller edge of a cell across: four spacings of the preview."""
+    return 0.41 * min(2 * DRUM_RADIUS * math.sin(math.pi / panels), DRUM_LENGTH / rows)
 
 
 def lifters(panels, corners):
@@ -164,19 +164,22 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     everywhere = {"name": "water", "body": "tub", "position": [0, -TUB_Y, 0], "orientation": about_y,
                   "shape": {"type": "cylinder", "radius": TUB_RADIUS + 0.05, "height": number(TUB_LENGTH)}}
     in_drum = {"name": "in_drum", "body": "drum", "orientation": about_y, "shape": {"type": "cylinder", "radius": DRUM_RADIUS, "height": DRUM_LENGTH}}
-    window = 0.0009 if coarse else 0.0005
+    window = 0.001 if coarse else 0.0005
     result = {"tandem": "1.1", "name": name, "description": DESCRIPTION, "end_time": end, "coupling": {"window": window},
               "mbd": {"integrator": {"rho_inf": 0.9}, "bodies": bodies, "joints": joints, "forces": forces}}
-    young, poisson = 4e6, 0.3
+    young, poisson = 8e6, 0.3
 
     def critical(radius, density):
         return math.pi * radius * math.sqrt(density * 2 * (1 + poisson) / young) / (0.1631 * poisson + 0.8766)
 
-    steel = {"name": "steel", "density": 7850, "young": young, "poisson": poisson, "restitution": 0.3, "friction": 0.4}
-    cloth = {"name": "cloth", "density": BALL_DENSITY, "young": young, "poisson": poisson, "restitution": 0.2, "friction": 0.5}
+    steel = {"name": "steel", "density": 7850, "young": young, "poisson": poisson, "restitution": 0.3, "friction": 0.4,
+             "rolling_friction": 0.1, "rolling_damping": 0.3}
+    cloth = {"name": "cloth", "density": BALL_DENSITY, "young": young, "poisson": poisson, "restitution": 0.2, "friction": 0.5,
+             "rolling_friction": 0.1, "rolling_damping": 0.3}
     balls = {"name": "laundry", "material": "cloth", "radius": BALL_RADIUS,
-             "fill": {"type": "lattice", "min": [-0.16, -0.11, number(AXIS_Z - 0.12)], "max": [0.16, 0.11, number(AXIS_Z + 0.1)], "spacing": 0.105, "count": BALLS}}
-    dem = {"materials": [steel, cloth], "particles": [balls],
+             "fill": {"type": "lattice", "min": [-0.122, -0.122, number(AXIS_Z - 0.14)], "max": [0.122, 0.122, number(AXIS_Z + 0.104)],
+                      "spacing": 0.122, "count": BALLS}}
+    dem = {"rolling": "elastic_plastic", "materials": [steel, cloth], "particles": [balls],
            "settle": {"kinetic_energy": 1e-3, "at_most": 4}, "overlap_limit": 0.1, "domain": domain,
            "micro_step": number(min(window, 0.2 * critical(BALL_RADIUS, BALL_DENSITY))),
            "sensors": [{**everywhere, "name": "laundry_in_tub"}]}
@@ -185,8 +188,9 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
              "drum.contact_torque.y", "tub.contact_torque.y"]
     if spheres:
         radius, density = spacing / 2, 1000 / 0.6
-        dem["materials"].append({"name": "water", "density": number(density), "young": young, "poisson": poisson, "restitution": 0.3, "friction": 0.02})
-        dem["pairs"] = [{"a": "water", "b": other, "restitution": 0.3, "friction": 0.02} for other in ("water", "steel", "cloth")]
+        dem["materials"].append({"name": "water", "density": number(density), "young": young, "poisson": poisson, "restitution": 0.3, "friction": 0.02,
+                                 "rolling_friction": 0, "rolling_damping": 0})
+        dem["pairs"] = [{"a": "water", "b": other, "restitution": 0.3, "friction": 0.02, "rolling_friction": 0, "rolling_damping": 0} for other in ("water", "steel", "cloth")]
         dem["particles"].append({"name": "water", "material": "water", "radius": [number(0.95 * radius), number(1.05 * radius)],
                                  "fill": {"type": "packing", "mass": water, "void_fraction": 0.48, "region": {"type": "inside", "wall": "tub_shell"}}})
         dem["micro_step"] = number(0.25 * critical(0.95 * radius, density))
@@ -208,7 +212,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
         plots += ["drum_load.axis_torque", "tub_load.axis_torque", "level.level"]
     else:
         plots = [p for p in plots if not p.startswith(("water", "in_drum"))]
-    result["output"] = {"frame_interval": 0.045, "plots": plots,
+    result["output"] = {"frame_interval": 0.05, "plots": plots,
                         "camera": {"eye": [0.75, -1.75, 0.95], "target": [0, 0, 0.44], "field_of_view": 40}}
     checks = []
 
@@ -236,7 +240,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     return result
 
 
-PREVIEW = 0.0225
+PREVIEW = 0.025
 
 
 def files():
