@@ -39,7 +39,8 @@ class Mesh:
             self.face(middle, outline[k - 1], b)
 
     def plate(self, outline, centre, radius, place):
-        """A part of a sheet: a convex outline (x, y), counterclockwise, with a round hole; place(x, y) is the point in space."""
+        """A part of a sheet: a convex outline (x, y), counterclockwise, with a hole whose corners are at the radius, opposite to those
+        of the outline; place(x, y) is the point in space."""
         hole = []
         for x, y in outline:
             angle = math.atan2(y - centre[1], x - centre[0])
