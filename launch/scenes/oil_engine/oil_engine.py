@@ -18,7 +18,7 @@ from machine_files import Mesh, add_check, number, text, vector, write_or_check
 CASE = (0.39, 0.20)                   # inside along x and y
 BOTTOM, TOP, DECK = -0.13, 0.25, 0.09   # of the case, and the lower end of the cylinders
 LEVEL = -0.065                        # the webs reach down to -0.070, the big ends to -0.077
-TRAY_Z, TRAY_GAP, SLOTS, SLOT = -0.0975, 0.001, 5, (0.058, 0.14)
+TRAY_Z, TRAY_GAP, SLOTS, SLOT = -0.0975, 0.001, 5, (0.062, 0.14)
 PISTON, BIG_END, CRANK = 0.0428, 0.032, 0.045
 DENSITY, VISCOSITY = 870, 0.05
 CYLINDERS = (-0.1425, -0.0475, 0.0475, 0.1425)
@@ -129,7 +129,7 @@ def scene(name, spacing, rpm, revolutions, level=LEVEL, spheres=False):
     return result
 
 
-PREVIEW, RPM, REVOLUTIONS = 0.014, 800, 3
+PREVIEW, RPM, REVOLUTIONS = 0.0155, 800, 2
 
 
 def files():

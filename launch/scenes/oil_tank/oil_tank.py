@@ -299,7 +299,7 @@ def rig(spacing):
               "McIver 1989: omega^2 R / g = 1.3557 in a half full circle; the lattice is too stiff by 1 to 2 %", "period", **{"from": 0.3})
     add_check(checks, "weight of the oil [N]", "ground.contact_force.z", -OIL_DENSITY * math.pi * RADIUS ** 2 / 2 * length * G, 0.02,
               "density x half of the cylinder x g; mean")
-    return {"tandem": "1.1", "name": "oil_tank_rig", "end_time": 5.4, "coupling": {"window": 0.003},
+    return {"tandem": "1.1", "name": "oil_tank_rig", "end_time": 4.0, "coupling": {"window": 0.0025},
             "sph": {"spacing": spacing, "wall_friction": "free_slip", "wall_deviation": 0.1,
                     "walls": [{"name": "shell", "orientation": {"axis": [0, 1, 0], "angle_deg": 90},
                                "shape": {"type": "cylinder", "radius": RADIUS, "height": number(length)}}],
