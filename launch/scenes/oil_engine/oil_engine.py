@@ -19,7 +19,7 @@ CASE = (0.39, 0.20)                   # inside along x and y
 BOTTOM, TOP, DECK = -0.13, 0.25, 0.09   # of the case, and the lower end of the cylinders
 LEVEL = -0.065                        # the webs reach down to -0.070, the big ends to -0.077
 TRAY_Z, TRAY_GAP, SLOTS, SLOT = -0.0975, 0.001, 5, (0.062, 0.14)
-PISTON, BIG_END, CRANK = 0.0428, 0.032, 0.045
+PISTON, BIG_END, CRANK, EYE_LENGTH = 0.0428, 0.032, 0.045, 0.034
 DENSITY, VISCOSITY = 870, 0.05
 CYLINDERS = (-0.1425, -0.0475, 0.0475, 0.1425)
 
@@ -48,11 +48,15 @@ def machine(speed, spheres):
     """Bodies and joints of the engine; webs, big ends and pistons are walls for the oil."""
     engine = json.loads((pathlib.Path(__file__).parents[1] / "engine.json").read_text(encoding="utf-8"))["mbd"]
     for body in engine["bodies"]:
-        for shape in body["shapes"]:
-            if shape["name"].startswith(("web", "big_eye", "crown")):
+        for shape in list(body["shapes"]):
+            if shape["name"].startswith(("web", "crown")):
                 shape["use"] = "wall"
-                if spheres:
-                    shape["material"] = "steel"
+            elif shape["name"].startswith("big_eye"):
+                # For the oil it reaches into the webs: the clearance beside it is narrower than a spacing.
+                shape = {**shape, "name": "oil_" + shape["name"], "use": "wall", "density": 0, "shape": {**shape["shape"], "height": EYE_LENGTH}}
+                body["shapes"].append(shape)
+            if spheres and shape["use"] == "wall":
+                shape["material"] = "steel"
     for joint in engine["joints"]:
         if joint["name"] == "crank":
             del joint["rate_deg"]
