@@ -94,7 +94,7 @@ def scene(name, spacing, rpm, revolutions, level=LEVEL, spheres=False):
               "mbd": machine(speed, spheres)}
     plots = ["crank.torque", "crank.energy", "below_tray.mass", "around_crank.mass", "under_pistons.mass", "oil.kinetic_energy"]
     if spheres:
-        young, poisson, radius, density = 2e8, 0.3, spacing / 2, DENSITY / 0.6
+        young, poisson, radius, density = 5e8, 0.3, spacing / 2, DENSITY / 0.6
         rayleigh = math.pi * 0.95 * radius * math.sqrt(density * 2 * (1 + poisson) / young) / (0.1631 * poisson + 0.8766)
         law = {"restitution": 0.3, "friction": 0.02}
         result["dem"] = {
