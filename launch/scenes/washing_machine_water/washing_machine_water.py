@@ -165,7 +165,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     cabinet += [box(f"rail_{k + 1}", (x, 0, 0.86), (0.04, 0.52, 0.04), 300) for k, x in enumerate((0.3, -0.3))]
     cabinet_mass = sum(s["density"] * math.prod(s["shape"]["size"]) for s in cabinet)
     gate_y = TUB_LENGTH / 2 - SEAM - 0.005     # in the tub, in front of the hole
-    gate_mass = 0.2
+    gate_mass = 1.0
     bodies = [
         {"name": "cabinet", "mass": "from_shapes", "shapes": cabinet},
         {"name": "tub", "mass": TUB_MASS, "inertia": [1.2, 1.4, 1.3], "position": [0, TUB_Y, AXIS_Z], "shapes": [
@@ -196,7 +196,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     window = 0.0012 if coarse else 0.0005
     result = {"tandem": "1.1", "name": name, "description": DESCRIPTION, "end_time": end, "coupling": {"window": window},
               "mbd": {"integrator": {"rho_inf": 0.9}, "bodies": bodies, "joints": joints, "forces": forces}}
-    young, poisson = (6e7 if spheres else 8e6), 0.3
+    young, poisson = (1e8 if spheres else 8e6), 0.3
 
     def critical(radius, density):
         return math.pi * radius * math.sqrt(density * 2 * (1 + poisson) / young) / (0.1631 * poisson + 0.8766)
