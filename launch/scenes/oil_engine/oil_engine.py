@@ -19,7 +19,7 @@ CASE = (0.39, 0.20)                   # inside along x and y
 BOTTOM, TOP, DECK = -0.13, 0.25, 0.09   # of the case, and the lower end of the cylinders
 LEVEL = -0.065                        # the webs reach down to -0.070, the big ends to -0.077
 TRAY_Z, TRAY_GAP, SLOTS, SLOT = -0.0975, 0.001, 5, (0.062, 0.14)
-PISTON, BIG_END, CRANK, EYE_LENGTH = 0.0428, 0.032, 0.045, 0.034
+PISTON, BIG_END, CRANK = 0.0428, 0.032, 0.045
 DENSITY, VISCOSITY = 870, 0.05
 CYLINDERS = (-0.1425, -0.0475, 0.0475, 0.1425)
 
@@ -48,13 +48,9 @@ def machine(speed, spheres):
     """Bodies and joints of the engine; webs, big ends and pistons are walls for the oil."""
     engine = json.loads((pathlib.Path(__file__).parents[1] / "engine.json").read_text(encoding="utf-8"))["mbd"]
     for body in engine["bodies"]:
-        for shape in list(body["shapes"]):
-            if shape["name"].startswith(("web", "crown")):
+        for shape in body["shapes"]:
+            if shape["name"].startswith(("web", "big_eye", "crown")):
                 shape["use"] = "wall"
-            elif shape["name"].startswith("big_eye"):
-                # For the oil it reaches into the webs: the clearance beside it is narrower than a spacing.
-                shape = {**shape, "name": "oil_" + shape["name"], "use": "wall", "density": 0, "shape": {**shape["shape"], "height": EYE_LENGTH}}
-                body["shapes"].append(shape)
             if spheres and shape["use"] == "wall":
                 shape["material"] = "steel"
     for joint in engine["joints"]:
@@ -117,7 +113,7 @@ def scene(name, spacing, rpm, revolutions, level=LEVEL, spheres=False):
         plots += ["on_crank.axis_torque", "on_rod_*.force.*"]
     frame = round(windows / 25)
     result["output"] = {"frame_interval": round(frame * window, 9), "plots": plots,
-                        "camera": {"eye": [-0.55, -0.85, 0.25], "target": [0.02, 0, 0.03], "field_of_view": 36}}
+                        "camera": {"eye": [-0.62, -0.95, 0.28], "target": [0.02, 0, 0.05], "field_of_view": 38}}
     checks = []
     if spheres:
         add_check(checks, "oil in the case [kg]", "oil.mass", oil, 5e-3, "it holds all of it", "min")
