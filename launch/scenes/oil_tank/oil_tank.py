@@ -23,7 +23,7 @@ TANK_X, TANK_Z, TANK_MASS = -3.75, 1.95, 1500
 OIL_DENSITY, OIL_VISCOSITY = 870, 0.05
 OIL_VOLUME = 5.0
 # Two baffles, each with a round hole of four spacings of the preview.
-BAFFLE_GAP = 0.02   # between the rim of a baffle and the shell
+BAFFLE_GAP, BAFFLE_GAP_COARSE = 0.004, 0.02   # between the rim of a baffle and the shell, which the solver makes flat faces
 HOLE_RADIUS, HOLE_Z = 0.32, 0.36
 # The truck: three axles, of which the rear two share the load.
 AXLES = {"front": 0.0, "middle": -4.2, "rear": -5.5}
@@ -48,9 +48,9 @@ DESCRIPTION = (
     "oil_tank.py wrote this file.")
 
 
-def baffle(segments):
+def baffle(segments, gap):
     """A sheet across the x axis with a round hole in its lower half, through which alone the oil passes it."""
-    outline = [(y, z - HOLE_Z) for y, z in eccentric_ring(RADIUS - BAFFLE_GAP, HOLE_Z, segments)]
+    outline = [(y, z - HOLE_Z) for y, z in eccentric_ring(RADIUS - gap, HOLE_Z, segments)]
     mesh = Mesh()
     mesh.plate(outline, (0.0, -HOLE_Z), HOLE_RADIUS, lambda y, z: (0.0, y, z))
     return mesh
@@ -316,8 +316,8 @@ PREVIEW = 0.16
 
 
 def files():
-    return {"baffle.obj": baffle(48).obj("oil_tank.py"),
-            "baffle_coarse.obj": baffle(12).obj("oil_tank.py"),     # of the previews, whose particles feel no more
+    return {"baffle.obj": baffle(48, BAFFLE_GAP).obj("oil_tank.py"),
+            "baffle_coarse.obj": baffle(12, BAFFLE_GAP_COARSE).obj("oil_tank.py"),     # of the previews, whose particles feel no more
             "oil_tank.json": text(scene("oil_tank", 0.017)) + "\n",
             "oil_tank_preview.json": text(scene("oil_tank_preview", PREVIEW)) + "\n",
             "oil_tank_spheres_preview.json": text(scene("oil_tank_spheres_preview", PREVIEW, spheres=True)) + "\n"}
