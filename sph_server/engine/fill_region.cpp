@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "common/error.hpp"
 #include "sph_server/engine/cut_lattice.hpp"
+#include "sph_server/engine/region_columns.hpp"
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/neighbours/walls.hpp"
@@ -47,13 +49,28 @@ LiquidState at_rest_at(const std::vector<Vec3d>& position, const Liquid& liquid,
   return state;
 }
 
+// Places that are not in the region, or above its surface by more than half a spacing.
+std::vector<Vec3d> outside(const std::vector<Vec3d>& places, const FilledPart& part, const LatticeAxes& axes,
+                           double spacing) {
+  const RegionColumns columns(part.region, axes.axis);
+  ColumnCrossings crossings;
+  std::vector<Vec3d> left;
+  std::ranges::copy_if(places, std::back_inserter(left), [&](Vec3d x) {
+    const double height = dot(x, part.up);
+    columns.find(dot(x, axes.axis[0]), dot(x, axes.axis[1]), crossings);
+    return height > part.surface + 0.5 * spacing || !crossings.inside(height);
+  });
+  return left;
+}
+
 std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::BodyPose> poses,
-                           const TriangleMesh& lid, const LiquidState& start, const AfterStep& after_step) {
+                           const FilledPart& part, const LatticeAxes& axes, const LiquidState& start,
+                           const AfterStep& after_step) {
   LiquidSetup packing = setup;
   packing.liquid.shifting = 0;
   // Viscosity would only shorten the steps.
   packing.liquid.viscosity = packing.liquid.artificial = 0;
-  packing.walls.push_back(lid);
+  packing.walls.push_back(lid_of(part, axes, 2 * setup.liquid.support()));
   packing.slip.clear();
   packing.vessel.reset();
   packing.follows.reset();
@@ -69,15 +86,20 @@ std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::Body
       ++done;
       if (after_step) after_step(done, all);
     });
-  if (const std::uint64_t passed = engine->figures().passed_walls; passed > 0)
+  // A particle that has passed a sheet is in the liquid on its other side.
+  const std::vector<Vec3d> places = engine->state().position;
+  const std::vector<Vec3d> left = engine->figures().passed_walls > 0
+                                      ? outside(places, part, axes, setup.liquid.spacing)
+                                      : std::vector<Vec3d>{};
+  if (!left.empty())
     throw Error(
         ErrorCode::scene,
-        fmt::format("{} left the region while {} packed",
-                    passed == 1 ? "a particle" : std::to_string(passed) + " particles",
-                    passed == 1 ? "it was" : "they were"),
+        fmt::format("{} left the region while {} packed, at ({:.4g}, {:.4g}, {:.4g}) m",
+                    left.size() == 1 ? "a particle" : std::to_string(left.size()) + " particles",
+                    left.size() == 1 ? "it was" : "they were", left[0].x, left[0].y, left[0].z),
         "fill",
         "close the walls around the liquid, or take a spacing of less than half of the narrowest gap");
-  return engine->state().position;
+  return places;
 }
 
 }  // namespace
@@ -104,8 +126,8 @@ FilledPlaces fill_places(const LiquidSetup& setup, const std::vector<particles::
   }
   filled.position =
       cut_lattice(part.region, walls, l, {axes, part.surface, true}, part.particles, setup.threads);
-  filled.position = relaxed(setup, poses, lid_of(part, axes, 2 * l.support()),
-                            at_rest_at(filled.position, l, part.up, part.surface), after_step);
+  filled.position =
+      relaxed(setup, poses, part, axes, at_rest_at(filled.position, l, part.up, part.surface), after_step);
   filled.surface = part.surface;
   filled.relaxed = true;
   return filled;

@@ -32,7 +32,8 @@ struct FilledPlaces {
 // the setup under a lid at their surface: always as many steps, so that the time is known beforehand, first
 // under a high pressure that spreads them evenly, then under a low one, against which walls repel those that
 // came too near to them. The places are the same for every back end and number of threads.
-// Error{scene} as filled_part() and cut_lattice(), and where particles pass a wall.
+// Error{scene} as filled_part() and cut_lattice(), and where particles leave the region; they may pass
+// sheets.
 FilledPlaces fill_places(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
                          const Filling& filling, const AfterStep& after_step = {});
 
