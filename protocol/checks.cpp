@@ -215,6 +215,11 @@ void BoundaryBodies::expect_some(const std::vector<BodyTangent>& bodies) {
   for (const BodyTangent& tangent : bodies) mark(tangent.body, false);
 }
 
+void BoundaryBodies::expect_some(const std::vector<BodyResponse>& bodies) {
+  seen_.assign(ids_.size(), false);
+  for (const BodyResponse& response : bodies) mark(response.body, false);
+}
+
 void check_values(const Configuration& value) {
   for (const NamedMesh& mesh : value.meshes) check_mesh(mesh);
 }
@@ -254,6 +259,13 @@ void check_values(const TangentSet& value) {
     const std::string owner = body_name(tangent.body) + ": ";
     check_record(tangent, owner);
     expect_zero(tangent.reserved, owner);
+  }
+  for (const BodyResponse& response : value.responses) {
+    const std::string owner = body_name(response.body) + ": ";
+    check_record(response, owner);
+    expect_zero(response.reserved, owner);
+    if (response.delay < 0)
+      throw ProtocolError(Violation::not_positive, owner + "delay is " + text(response.delay) + " s, below 0");
   }
 }
 

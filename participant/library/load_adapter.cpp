@@ -13,10 +13,12 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
   LoadAdapter(const tandem_load_solver& table, void* self, std::string program, protocol::Role role)
       : AdapterBase(table, self, std::move(program), role) {
     expect_common(table_, TANDEM_CAN_ROLLBACK | TANDEM_CAN_INTERPOLATE | TANDEM_CAN_WINDOW_MEAN |
-                              TANDEM_CAN_LINEARISE | TANDEM_CAN_CHECKPOINT |
+                              TANDEM_CAN_LINEARISE | TANDEM_CAN_RESPOND | TANDEM_CAN_CHECKPOINT |
                               (of_liquid() ? TANDEM_CAN_OBSERVE_LIQUID : 0));
     expect_function(!(table_.capabilities & TANDEM_CAN_LINEARISE) || table_.linearise, "linearise",
                     "TANDEM_CAN_LINEARISE promises");
+    expect_function(!responds() || (table_.capabilities & TANDEM_CAN_LINEARISE), "TANDEM_CAN_LINEARISE",
+                    "TANDEM_CAN_RESPOND needs");
   }
 
   protocol::Role role() const override { return role_; }
@@ -34,6 +36,7 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
     for (const std::uint32_t body : view_->boundary()) {
       blank_.push_back(of_body<protocol::BodyLoad>(body));
       blank_tangents_.push_back(of_body<protocol::BodyTangent>(body));
+      if (responds()) blank_responses_.push_back(of_body<protocol::BodyResponse>(body));
     }
     if (view_->ground_has_walls()) blank_.push_back(of_body<protocol::BodyLoad>(TANDEM_GROUND));
     if (!of_liquid()) facts.values["spheres"] = view_->configuration().sphere_count;
@@ -60,8 +63,11 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
   const protocol::TangentSet& linearise() override {
     tangents_.time = now_;
     tangents_.bodies = blank_tangents_;
+    tangents_.responses = blank_responses_;
     tandem_tangent_set set{now_.count, tangents_.bodies.size(),
-                           reinterpret_cast<tandem_body_tangent*>(tangents_.bodies.data())};
+                           reinterpret_cast<tandem_body_tangent*>(tangents_.bodies.data()),
+                           tangents_.responses.size(),
+                           reinterpret_cast<tandem_body_response*>(tangents_.responses.data())};
     expect_ok(table_.linearise(self_, &set), "linearise");
     return tangents_;
   }
@@ -87,6 +93,7 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
 
  private:
   bool of_liquid() const { return role_ == protocol::Role::sph; }
+  bool responds() const { return table_.capabilities & TANDEM_CAN_RESPOND; }
 
   static void expect_absent(bool given, const char* arrays, const char* why) {
     if (given)
@@ -115,6 +122,7 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
 
   std::vector<protocol::BodyLoad> blank_;
   std::vector<protocol::BodyTangent> blank_tangents_;
+  std::vector<protocol::BodyResponse> blank_responses_;
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
   protocol::ParticlesFrame frame_;
