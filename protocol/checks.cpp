@@ -216,8 +216,11 @@ void BoundaryBodies::expect_some(const std::vector<BodyTangent>& bodies) {
 }
 
 void BoundaryBodies::expect_some(const std::vector<BodyResponse>& bodies) {
-  seen_.assign(ids_.size(), false);
-  for (const BodyResponse& response : bodies) mark(response.body, false);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (i > 0 && bodies[i].body == bodies[i - 1].body) continue;
+    seen_.assign(ids_.size(), false);
+    mark(bodies[i].body, false);
+  }
 }
 
 void check_values(const Configuration& value) {
@@ -264,8 +267,14 @@ void check_values(const TangentSet& value) {
     const std::string owner = body_name(response.body) + ": ";
     check_record(response, owner);
     expect_zero(response.reserved, owner);
-    if (response.delay < 0)
-      throw ProtocolError(Violation::not_positive, owner + "delay is " + text(response.delay) + " s, below 0");
+    if (response.time < 0)
+      throw ProtocolError(Violation::not_positive, owner + "time is " + text(response.time) + " s, below 0");
+    const BodyResponse* before = &response == value.responses.data() ? nullptr : &response - 1;
+    if (before && (before->body > response.body ||
+                   (before->body == response.body && before->time >= response.time)))
+      throw ProtocolError(Violation::wrong_time,
+                          owner + "the response after " + text(response.time) +
+                              " s is not in the order of bodies and times");
   }
 }
 

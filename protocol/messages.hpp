@@ -114,20 +114,19 @@ struct BodyTangent {
   std::array<double, 36> stiffness{};  // by rows: force, torque (6 x 6)
   std::array<double, 36> damping{};    // by rows: force, torque (6 x 6)
 };
-// Response of the load on one boundary body to a step of its velocity by dv: for t > delay the impulse
-//   -added_mass (1 - exp(-added_mass^-1 radiation (t - delay))) dv
-// is given to the body until the time t after it. A mass follows the body through a damper: first the body
-// radiates sound, then the liquid moves with it. About the body's frame, world axes.
+// One point of the response of the load on one boundary body to a step of its velocity by dv: until `time` after
+// the step the body was given the impulse -impulse dv. It begins as the radiation damping times the time, and
+// ends as the added mass. About the body's frame, world axes.
 struct BodyResponse {
   std::uint32_t body = 0, reserved = 0;
-  double delay = 0;                     // [s]
-  std::array<double, 36> radiation{};   // by rows: force, torque (6 x 6)
-  std::array<double, 36> added_mass{};  // by rows (6 x 6)
+  double time = 0;                   // [s]
+  std::array<double, 36> impulse{};  // by rows: force, torque (6 x 6)
 };
 struct TangentSet {
   Nanoseconds time;
   std::vector<BodyTangent> bodies;  // bodies with contacts
-  // Bodies in a liquid; empty, and then not on the wire, without can_respond.
+  // Bodies in a liquid, by body and time; straight lines between the points, from zero at no time, and the last
+  // impulse for good. Empty, and then not on the wire, without can_respond.
   std::vector<BodyResponse> responses = {};
 };
 

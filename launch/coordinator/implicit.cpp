@@ -68,8 +68,10 @@ Eigen::MatrixXd Implicit::expected_step(const protocol::MotionSet& predicted,
   Eigen::MatrixXd step = (scene_.dem ? iteration_.relaxation : 1) * Eigen::MatrixXd::Identity(size, size);
   for (std::size_t b = 0; b < predicted.bodies.size(); ++b) {
     const protocol::BodyMotion& motion = predicted.bodies[b];
-    const auto found = std::ranges::find(responses, motion.body, &protocol::BodyResponse::body);
-    if (found == responses.end()) continue;
+    const std::vector<Response> all = by_body(responses);
+    const auto found =
+        std::ranges::find_if(all, [&motion](Response r) { return r.front().body == motion.body; });
+    if (found == all.end()) continue;
     const scene::Body& body = scene_.mbd->bodies[motion.body];
     const double H = predicted.window.length(), L = space_.gyration(motion.body);
     Vector6 lengths;

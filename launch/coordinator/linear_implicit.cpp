@@ -59,13 +59,13 @@ void LinearImplicit::advance(const Window& window, Exchange& exchange) {
 protocol::TangentSet LinearImplicit::with_responses(const Exchange& exchange) const {
   protocol::TangentSet tangents = exchange.tangents;
   const double H = exchange.path.window.length();
-  for (const protocol::BodyResponse& response : exchange.tangents.responses) {
-    auto of = std::ranges::find(tangents.bodies, response.body, &protocol::BodyTangent::body);
-    if (of == tangents.bodies.end()) of = tangents.bodies.insert(of, {.body = response.body});
-    Eigen::Map<Matrix6>(of->damping.data()) +=
-        passed_in(response, scene_.mbd->bodies[response.body], freedoms_[response.body],
-                  motion_of(exchange.path, response.body).begin_pose, H) /
-        H;
+  for (const Response response : by_body(exchange.tangents.responses)) {
+    const std::uint32_t body = response.front().body;
+    auto of = std::ranges::find(tangents.bodies, body, &protocol::BodyTangent::body);
+    if (of == tangents.bodies.end()) of = tangents.bodies.insert(of, {.body = body});
+    Eigen::Map<Matrix6>(of->damping.data()) += passed_in(response, scene_.mbd->bodies[body], freedoms_[body],
+                                                         motion_of(exchange.path, body).begin_pose, H) /
+                                               H;
   }
   return tangents;
 }

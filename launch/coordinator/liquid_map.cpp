@@ -1,10 +1,9 @@
 #include "launch/coordinator/liquid_map.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
-#include <vector>
 
 #include "common/math/spectral_radius.hpp"
 
@@ -13,65 +12,63 @@ namespace {
 
 // Growth below this counts as zero: eigenvalues of modulus one have round-off.
 constexpr double growth_tolerance = 1e-7;
+// Windows over which a load remembers the path of its body.
+constexpr std::size_t most_remembered = 32;
 
 // Velocity of the walls over a window: linear in time.
 struct Path {
   double begin = 0, end = 0;
-  double at(double s) const { return begin + s * (end - begin); }
 };
 
-constexpr std::size_t remembered = 4;  // windows; no delay is longer
-
-// Units: the mass of the body and the length of the window are one.
 struct State {
-  double body = 0, liquid = 0;          // velocities of the body and of the added mass
-  double held = 0;                      // impulse of the last window
-  std::array<Path, remembered> paths{};  // of the last windows, newest first
+  double body = 0;         // velocity
+  double held = 0;         // impulse of the last window
+  std::deque<Path> paths;  // of the last windows, newest first
 };
 
-// u' = rate (V - u) over a time `length`, in which V goes along `path`.
-double follow(double u, Path path, double rate, double length) {
-  if (!(length > 0)) return u;
-  const double slope = (path.end - path.begin) / length, x = rate * length;
-  // Difference of the velocities, without loss of digits for a slow liquid.
-  const double decay = -std::expm1(-x), lag = x > 1e-4 ? slope * (length - decay / rate) : 0.5 * slope * x * length;
-  return u + decay * (path.begin - u) + lag;
+// Impulse of a window by what happened `j` windows before.
+struct Weight {
+  double jump = 0;  // of the velocity at the begin of that window
+  double ramp = 0;  // over that window
+};
+
+std::vector<Weight> weights_of(const LiquidMode& mode, double H) {
+  const double end = std::max(mode.time.back(), mode.time.front() * 2);
+  const auto count = static_cast<std::size_t>(std::ceil(end / std::max(H, end / most_remembered))) + 1;
+  std::vector<Weight> weights;
+  double mean_before = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const double from = static_cast<double>(j) * H, to = from + H, mean = mode.mean(from, to, H);
+    weights.push_back({mode.until(to, H) - (j == 0 ? 0 : mode.until(from, H)), mean - mean_before});
+    mean_before = mean;
+  }
+  return weights;
 }
 
 class Liquid {
  public:
-  Liquid(const LiquidMode& mode, double window)
-      : ratio_(mode.ratio),
-        rate_(mode.rate * window / mode.ratio),
-        delay_(std::min(mode.delay_in(window) / window, static_cast<double>(remembered) - 1e-9)) {}
+  explicit Liquid(std::vector<Weight> weights) : weights_(std::move(weights)) {}
 
-  // The impulse on the body over a window in which the walls follow `path`, and the state of the liquid.
-  double impulse(State& state, Path path) const {
-    const double before = state.liquid;
-    const auto whole = static_cast<std::size_t>(delay_);
-    const double late = delay_ - static_cast<double>(whole);
-    const auto past = [&](std::size_t windows) { return windows == 0 ? path : state.paths[windows - 1]; };
-    if (late > 0) {
-      const Path old = past(std::min(whole + 1, remembered));
-      state.liquid = follow(state.liquid, {old.at(1 - late), old.end}, rate_, late);
+  std::size_t remembered() const { return weights_.size(); }
+  // On the body over a window in which its walls follow `now`.
+  double impulse(const std::deque<Path>& before, Path now) const {
+    double sum = 0;
+    for (std::size_t j = 0; j < weights_.size(); ++j) {
+      const Path path = j == 0 ? now : before[j - 1];
+      // What was before the oldest path is at rest relative to it.
+      const double last = j < before.size() ? before[j].end : path.begin;
+      sum -= weights_[j].jump * (path.begin - last) + weights_[j].ramp * (path.end - path.begin);
     }
-    const Path now = past(whole);
-    state.liquid = follow(state.liquid, {now.begin, now.at(1 - late)}, rate_, 1 - late);
-    return ratio_ * (before - state.liquid);
+    return sum;
   }
 
  private:
-  double ratio_, rate_, delay_;
+  std::vector<Weight> weights_;
 };
 
-State advance(const scene::Coupling& how, const LiquidMode& mode, double window, const State& begin) {
-  const Liquid liquid(mode, window);
+State advance(const scene::Coupling& how, const Liquid& liquid, double passed, const State& begin) {
   State end = begin;
   const double v = begin.body;
-  const auto impulse = [&](Path path) {
-    State scratch = begin;
-    return liquid.impulse(scratch, path);
-  };
   Path path{v, v};
   switch (how.scheme) {
     case scene::Scheme::parallel:
@@ -82,32 +79,35 @@ State advance(const scene::Coupling& how, const LiquidMode& mode, double window,
       path.end = end.body;
       break;
     case scene::Scheme::dem_first:
-      end.body = v + impulse(path);
+      end.body = v + liquid.impulse(begin.paths, path);
       break;
     case scene::Scheme::linear_implicit:
-      end.body = v + impulse(path) / (1 + mode.passed(window));
+      end.body = v + liquid.impulse(begin.paths, path) / (1 + passed);
       break;
     case scene::Scheme::implicit: {
       // The impulse is affine in the change of velocity that it causes.
       const auto along = [&](double change) {
-        return how.load == scene::LoadShape::mean ? Path{v + change / 2, v + change / 2} : Path{v, v + change};
+        return how.load == scene::LoadShape::mean ? Path{v + change / 2, v + change / 2}
+                                                  : Path{v, v + change};
       };
-      const double without = impulse(along(0)), per_change = impulse(along(1)) - without;
-      const double change = without / (1 - per_change);
+      const double without = liquid.impulse(begin.paths, along(0)),
+                   per_change = liquid.impulse(begin.paths, along(1)) - without,
+                   change = without / (1 - per_change);
       end.body = v + change;
       path = along(change);
       break;
     }
   }
-  end.held = liquid.impulse(end, path);
-  std::rotate(end.paths.rbegin(), end.paths.rbegin() + 1, end.paths.rend());
-  end.paths[0] = path;
+  end.held = liquid.impulse(begin.paths, path);
+  end.paths.push_front(path);
+  end.paths.pop_back();
   return end;
 }
 
 template <class Visit>
 void each(State& state, Visit visit) {
-  for (double* value : {&state.body, &state.liquid, &state.held}) visit(*value);
+  visit(state.body);
+  visit(state.held);
   for (Path& path : state.paths) {
     visit(path.begin);
     visit(path.end);
@@ -116,25 +116,35 @@ void each(State& state, Visit visit) {
 
 }  // namespace
 
-double LiquidMode::delay_in(double window) const {
-  return delay * window / std::max(1.0, std::ceil(window / step * (1 - 1e-9)));
+double LiquidMode::until(double seconds, double window) const {
+  const double scale = std::min(1.0, time.front() > 0 ? window / time.front() : 1);
+  const double t = seconds / scale;
+  if (t >= time.back()) return scale * impulse.back();
+  const auto next = static_cast<std::size_t>(std::ranges::upper_bound(time, t) - time.begin());
+  const double t0 = next == 0 ? 0 : time[next - 1], i0 = next == 0 ? 0 : impulse[next - 1];
+  return scale * (i0 + (t - t0) / (time[next] - t0) * (impulse[next] - i0));
 }
 
-double LiquidMode::passed(double window) const {
-  return -ratio * std::expm1(-rate / ratio * std::max(0.0, window - delay_in(window)));
+double LiquidMode::mean(double from, double to, double window) const {
+  constexpr int parts = 32;
+  double sum = 0;
+  for (int i = 0; i < parts; ++i) sum += until(from + (i + 0.5) / parts * (to - from), window);
+  return sum / parts;
 }
 
 double growth(const scene::Coupling& how, const LiquidMode& mode, double window) {
-  std::vector<double> map;  // column by column
+  const Liquid liquid(weights_of(mode, window));
   State zero;
+  zero.paths.resize(liquid.remembered());
   std::size_t size = 0;
   each(zero, [&size](double&) { ++size; });
+  std::vector<double> map;  // column by column
   for (std::size_t i = 0; i < size; ++i) {
-    State unit;
+    State unit = zero;
     std::size_t at = 0;
     each(unit, [&](double& value) { value = at++ == i ? 1 : 0; });
-    State image = advance(how, mode, window, unit);
-    each(image, [&](double& value) { map.push_back(value); });
+    State image = advance(how, liquid, mode.passed(window), unit);
+    each(image, [&map](double& value) { map.push_back(value); });
   }
   return spectral_radius(map);
 }
@@ -142,13 +152,13 @@ double growth(const scene::Coupling& how, const LiquidMode& mode, double window)
 double critical_window(const scene::Coupling& how, const LiquidMode& mode) {
   const auto stable = [&](double window) { return growth(how, mode, window) <= 1 + growth_tolerance; };
   // The first window at which stability is lost, to 3 %, then refined by bisection.
-  double low = 1e-3 / mode.rate;
+  double low = 1e-3 * std::max(mode.time.front(), 1e-3 * mode.time.back());
+  if (!(low > 0)) return stable(1) ? std::numeric_limits<double>::infinity() : 0;
   if (!stable(low)) return 0;
   double high = low;
   while (stable(high *= 1.03)) {
     low = high;
-    if (high * mode.rate > 1e3 * (1 + mode.ratio) && high > 20 * mode.step)
-      return std::numeric_limits<double>::infinity();
+    if (high > 2 * mode.time.back()) return std::numeric_limits<double>::infinity();
   }
   while (high - low > 1e-4 * low) {
     const double middle = (low + high) / 2;

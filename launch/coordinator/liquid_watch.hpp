@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/scene/model.hpp"
@@ -14,23 +15,28 @@
 
 namespace tandem::launch {
 
-// The direction of a body in which the liquid makes the most of a change of velocity.
+// The direction of a body in which the scheme makes the most of a change of velocity.
 struct LiquidFigures {
-  double ratio = 0;        // added mass over the mass of the body, in that direction [-]
-  double radiation_H = 0;  // radiation damping times the window over the mass [-]
+  double added = 0;        // added mass, as far as it was measured, over the mass of the body [-]
+  double passed = 0;       // share of a change of velocity that the liquid gives back in the window [-]
   double growth = 1;       // per window, of the worst window [-]
   std::uint64_t windows_beyond = 0;
 };
 
-// The modes of a body with the radiation damping, and the added mass along each.
-std::vector<std::pair<LiquidMode, Vector6>> liquid_modes(const protocol::BodyResponse& response,
-                                                         const scene::Body& body,
+// All points of the response of one body.
+using Response = std::span<const protocol::BodyResponse>;
+// Of each body that responds.
+std::vector<Response> by_body(const std::vector<protocol::BodyResponse>& responses);
+
+// The responses of a body along the directions in which its impulse over a window acts apart from each other,
+// and these directions, of unit modal mass.
+std::vector<std::pair<LiquidMode, Vector6>> liquid_modes(Response response, const scene::Body& body,
                                                          const scene::Freedom& freedom, const Pose& pose,
-                                                         double micro_step);
+                                                         double window);
 // Impulse that the body passes to the liquid in a window over the change of its velocity at the begin (6 x 6)
 // [kg] [kg m] [kg m2].
-Matrix6 passed_in(const protocol::BodyResponse& response, const scene::Body& body,
-                  const scene::Freedom& freedom, const Pose& pose, double window);
+Matrix6 passed_in(Response response, const scene::Body& body, const scene::Freedom& freedom,
+                  const Pose& pose, double window);
 
 class LiquidWatch {
  public:
@@ -46,12 +52,20 @@ class LiquidWatch {
   void save_or_restore(Archive& archive);
 
  private:
+  struct Judged {
+    double window = 0, size = 0;  // of which window and response [s]
+    LiquidFigures now = {};
+    std::optional<LiquidMode> worst = {};
+    double stable_window = std::numeric_limits<double>::infinity();
+  };
+  const Judged& judge(Response response, const Pose& pose, double H);
   std::string warning(std::uint32_t body, const LiquidFigures& now, const LiquidMode& mode,
-                      const Window& window) const;
+                      const Window& window, double micro_step) const;
 
   const scene::Scene& scene_;
   std::vector<scene::Freedom> freedoms_;
   std::map<std::uint32_t, LiquidFigures> figures_;
+  std::map<std::uint32_t, Judged> judged_;  // by body
   double stable_window_ = std::numeric_limits<double>::infinity();
 };
 

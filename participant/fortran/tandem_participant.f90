@@ -61,8 +61,8 @@ module tandem_participant
   end type
   type, bind(C) :: tandem_body_response
     integer(i32) :: body, reserved
-    real(dp) :: delay
-    real(dp) :: radiation(6, 6), added_mass(6, 6)  ! transposed: C has rows first
+    real(dp) :: time
+    real(dp) :: impulse(6, 6)  ! transposed: C has rows first
   end type
   type, bind(C) :: tandem_particle_account
     integer(i64) :: micro_steps
@@ -100,7 +100,7 @@ module tandem_participant
     integer(sz) :: count
     type(c_ptr) :: bodies
     integer(sz) :: response_count
-    type(c_ptr) :: responses
+    type(c_ptr) :: responses  ! by c_loc of an array of the solver
   end type
   type, bind(C) :: tandem_bodies_frame
     integer(i64) :: time
@@ -363,14 +363,6 @@ contains
     type(tandem_body_tangent), target, save :: none(1)
     list => none(1:0)
     if (set%count > 0) call c_f_pointer(set%bodies, list, [set%count])
-  end function
-
-  function tandem_responses(set) result(list)
-    type(tandem_tangent_set), intent(in) :: set
-    type(tandem_body_response), pointer :: list(:)
-    type(tandem_body_response), target, save :: none(1)
-    list => none(1:0)
-    if (set%response_count > 0) call c_f_pointer(set%responses, list, [set%response_count])
   end function
 
   function tandem_states(frame) result(list)

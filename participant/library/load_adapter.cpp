@@ -36,7 +36,6 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
     for (const std::uint32_t body : view_->boundary()) {
       blank_.push_back(of_body<protocol::BodyLoad>(body));
       blank_tangents_.push_back(of_body<protocol::BodyTangent>(body));
-      if (responds()) blank_responses_.push_back(of_body<protocol::BodyResponse>(body));
     }
     if (view_->ground_has_walls()) blank_.push_back(of_body<protocol::BodyLoad>(TANDEM_GROUND));
     if (!of_liquid()) facts.values["spheres"] = view_->configuration().sphere_count;
@@ -63,12 +62,14 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
   const protocol::TangentSet& linearise() override {
     tangents_.time = now_;
     tangents_.bodies = blank_tangents_;
-    tangents_.responses = blank_responses_;
     tandem_tangent_set set{now_.count, tangents_.bodies.size(),
-                           reinterpret_cast<tandem_body_tangent*>(tangents_.bodies.data()),
-                           tangents_.responses.size(),
-                           reinterpret_cast<tandem_body_response*>(tangents_.responses.data())};
+                           reinterpret_cast<tandem_body_tangent*>(tangents_.bodies.data()), 0, nullptr};
     expect_ok(table_.linearise(self_, &set), "linearise");
+    if (!responds() && set.responses)
+      throw Error(ErrorCode::internal, "is given: `capabilities` has no TANDEM_CAN_RESPOND", "linearise: responses",
+                  "leave it out");
+    const auto* responses = reinterpret_cast<const protocol::BodyResponse*>(set.responses);
+    tangents_.responses.assign(responses, responses + (responses ? set.response_count : 0));
     return tangents_;
   }
 
@@ -122,7 +123,6 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
 
   std::vector<protocol::BodyLoad> blank_;
   std::vector<protocol::BodyTangent> blank_tangents_;
-  std::vector<protocol::BodyResponse> blank_responses_;
   protocol::LoadSet loads_;
   protocol::TangentSet tangents_;
   protocol::ParticlesFrame frame_;

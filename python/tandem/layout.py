@@ -20,8 +20,7 @@ BODY_MOTION = np.dtype([
 BODY_LOAD = np.dtype([
     ("body", "u4"), ("reserved", "u4"), ("mean", WRENCH), ("first_moment", WRENCH), ("end", WRENCH), ("work", "f8")])
 BODY_TANGENT = np.dtype([("body", "u4"), ("reserved", "u4"), ("stiffness", "f8", (6, 6)), ("damping", "f8", (6, 6))])
-BODY_RESPONSE = np.dtype([("body", "u4"), ("reserved", "u4"), ("delay", "f8"), ("radiation", "f8", (6, 6)),
-                          ("added_mass", "f8", (6, 6))])
+BODY_RESPONSE = np.dtype([("body", "u4"), ("reserved", "u4"), ("time", "f8"), ("impulse", "f8", (6, 6))])
 PARTICLE_ACCOUNT = np.dtype([
     ("micro_steps", "u8"), ("micro_step", "f8"), ("momentum_begin", *VECTOR), ("momentum_end", *VECTOR),
     ("gravity_impulse", *VECTOR), ("lost_momentum", *VECTOR), ("kinetic_energy", "f8"),

@@ -111,7 +111,7 @@ class LoadSolver(Solver):
 
     def linearise(self, tangents):
         """Fills in an array of tandem_body_tangent: stiffness and damping (6 x 6) of the contacts of each body. With `responds`
-        it gets a second array, of tandem_body_response, and is also called before the first window."""
+        it returns a list of (body, time, impulse 6 x 6), by body and time, and is also called before the first window."""
 
 
 class LiquidSolver(LoadSolver):
@@ -231,11 +231,10 @@ class _LoadCalls(_Calls):
 
     def linearise(self, tangents):
         c = tangents.contents
-        tangents = _view(c.bodies, c.count, layout.BODY_TANGENT, True)
+        points = self.solver.linearise(_view(c.bodies, c.count, layout.BODY_TANGENT, True))
         if self.solver.responds:
-            self.solver.linearise(tangents, _view(c.responses, c.response_count, layout.BODY_RESPONSE, True))
-        else:
-            self.solver.linearise(tangents)
+            self.points = np.array([(body, 0, time, impulse) for body, time, impulse in points], layout.BODY_RESPONSE)
+            c.response_count, c.responses = len(self.points), self.points.ctypes.data
 
 
 class _LiquidCalls(_LoadCalls):

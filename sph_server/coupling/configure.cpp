@@ -75,25 +75,26 @@ void Solver::measure_responses(const LiquidStart& start, const LiquidState& liqu
   const double window = how.adaptive ? how.adaptive->max_window : how.window;
   if (most_passed(start, window) < negligible) return;
   if (how.scheme == scene::Scheme::implicit) least_steps_ = static_cast<std::uint64_t>(enough_steps);
-  const double steps = static_cast<double>(steps_of(window)), dt = window / steps;
   const StepFigures figures = engine_->figures();
   const double stable =
-      0.8 * step_limits(properties_, figures.largest_speed, figures.largest_acceleration).smallest;
+      0.95 * step_limits(properties_, figures.largest_speed, figures.largest_acceleration).smallest;
+  const double steps = std::ceil(window / std::min(window / static_cast<double>(steps_of(window)), stable)),
+               dt = window / steps;
   std::vector<BodyId> body_of;
   for (const particles::BoundaryBody& body : bodies_) body_of.push_back(body.body);
-  tangents_.responses = sph::measure_responses(*engine_, liquid, start.poses, body_of, scene_,
-                                               properties_.sound_speed, std::min(dt, stable),
-                                               static_cast<int>(std::clamp(2 * steps, fewest, most)));
-  for (protocol::BodyResponse& response : tangents_.responses) {
-    response.delay *= dt / std::min(dt, stable);
-    log::info("response of body '{}': radiation {:.4g} N s/m along z, added mass {:.4g} kg, delay {:.3g} s",
-              scene_.body_name(BodyId{response.body}), response.radiation[14], response.added_mass[14],
-              response.delay);
-  }
+  responses_ = sph::measure_responses(*engine_, liquid, start.poses, body_of, scene_, properties_.sound_speed, dt,
+                                      static_cast<int>(std::clamp(3 * steps, fewest, most)));
 }
 
 const protocol::TangentSet& Solver::linearise() {
   tangents_.time = Nanoseconds{memory_.now};
+  tangents_.responses = responses_;
+  for (protocol::BodyResponse& response : tangents_.responses) {
+    const auto wall = std::ranges::find(bodies_, BodyId{response.body}, &particles::BoundaryBody::body);
+    const Mat3d now = engine_->poses()[static_cast<std::size_t>(wall - bodies_.begin())].R,
+                before = particles::pose_at_start(BodyId{response.body}, scene_).R;
+    turn(now, before, response);
+  }
   return tangents_;
 }
 

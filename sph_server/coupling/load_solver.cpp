@@ -103,6 +103,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   longest_step_ = length / static_cast<double>(least_steps_);
   set_paths(motion);
   if (memory_.micro_steps == 0) start_moving();
+  stop_fast_walls(to_seconds(motion.window.begin));
   watch_walls();
   loads_.window = motion.window;
   loads_.bodies.assign(bodies_loaded_, {});

@@ -75,6 +75,7 @@ class Solver final : public protocol::LoadSolver {
   Vec3d frame_velocity(double at) const;
   void set_paths(const protocol::MotionSet& motion);
   void watch_walls();
+  void stop_fast_walls(double time) const;
   std::string sentence_of_walls() const;
   void take_step(double dt);
   Error explained(const Error& error) const;

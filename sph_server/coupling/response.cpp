@@ -16,29 +16,11 @@ using Direction = std::array<double, 6>;  // velocity, angular velocity
 
 // A step of the velocity of this share of the speed of sound moves a wall by some thousandths of a spacing.
 constexpr double share_of_sound = 1e-3;
-// Directions that meet less than this share of the largest resistance meet none.
-constexpr double negligible = 1e-3;
-
-// y of (1 - exp(-y)) / y = q, for q in (0, 1): decreasing in y, found by bisection.
-double relaxation_of(double q) {
-  double low = 1e-3, high = 1e3;
-  if (q >= -std::expm1(-low) / low) return low;
-  if (q <= -std::expm1(-high) / high) return high;
-  while (high - low > 1e-9 * high) {
-    const double y = 0.5 * (low + high);
-    (-std::expm1(-y) / y > q ? low : high) = y;
-  }
-  return low;
-}
 
 Mat3d product(const Mat3d& a, const Mat3d& b) {
   Mat3d c;
   for (int i = 0; i < 3; ++i) c.row[i] = b.transpose_times(a.row[i]);
   return c;
-}
-
-void put(const Matrix6& from, std::array<double, 36>& to) {
-  Eigen::Map<Matrix6>(to.data()) = from;
 }
 
 // The loads on `body` of each step, where it starts to move faster by `faster` along `direction`.
@@ -95,17 +77,18 @@ double gyration_of(const scene::Body& body) {
   return std::sqrt((body.inertia[0] + body.inertia[1] + body.inertia[2]) / (2 * body.mass));
 }
 
-StepResponse step_response(const Probe& probe, BodyId body, const std::vector<Direction>& directions,
-                           double speed, double gyration, double dt) {
-  StepResponse response{dt, {}};
+// The impulse that resists after each step, by rows.
+std::vector<std::array<double, 36>> step_response(const Probe& probe, BodyId body,
+                                                  const std::vector<Direction>& directions, double speed,
+                                                  double gyration) {
   const std::vector<Vector6> base = probe.impulses(body, {}, 0);
-  response.impulse.resize(base.size());
+  std::vector<std::array<double, 36>> response(base.size());
   for (const Direction& direction : directions) {
     const Eigen::Map<const Vector6> f(direction.data());
     const double faster = speed / std::hypot(f.head<3>().norm(), gyration * f.tail<3>().norm());
     const std::vector<Vector6> moved = probe.impulses(body, direction, faster);
     for (std::size_t k = 0; k < base.size(); ++k) {
-      Eigen::Map<Matrix6> sum(response.impulse[k].data());
+      Eigen::Map<Matrix6> sum(response[k].data());
       const Vector6 resistance = (base[k] - moved[k]) / faster;
       // A body with one freedom only meets what resists along it.
       if (directions.size() == 1)
@@ -118,42 +101,6 @@ StepResponse step_response(const Probe& probe, BodyId body, const std::vector<Di
 }
 
 }  // namespace
-
-protocol::BodyResponse fitted(const StepResponse& measured, double gyration) {
-  protocol::BodyResponse response;
-  const double dt = measured.dt, last = static_cast<double>(measured.impulse.size()) * dt;
-  Vector6 scale;  // lengths in place of angles
-  scale << 1, 1, 1, 1 / gyration, 1 / gyration, 1 / gyration;
-  std::vector<Matrix6> impulse{Matrix6::Zero()};
-  for (const std::array<double, 36>& raw : measured.impulse) {
-    const Matrix6 m = scale.asDiagonal() * Eigen::Map<const Matrix6>(raw.data()) * scale.asDiagonal();
-    impulse.push_back(0.5 * (m + m.transpose()));
-  }
-  // The load is largest before anything that the body has set in motion comes back to it.
-  std::size_t at = 1;
-  for (std::size_t k = 1; k < impulse.size(); ++k)
-    if ((impulse[k] - impulse[k - 1]).trace() > (impulse[at] - impulse[at - 1]).trace()) at = k;
-  const Matrix6 radiation = (impulse[at] - impulse[at - 1]) / dt;
-  const Eigen::SelfAdjointEigenSolver<Matrix6> modes(radiation);
-  const double largest = modes.eigenvalues().maxCoeff();
-  if (!(largest > 0)) return response;
-  const double middle = (static_cast<double>(at) - 0.5) * dt,
-               until = 0.5 * (impulse[at] + impulse[at - 1]).trace() / radiation.trace();
-  response.delay = std::clamp(middle - until, 0.0, 0.9 * last);
-  const double time = last - response.delay;
-  Matrix6 R = Matrix6::Zero(), added = Matrix6::Zero();
-  for (int i = 0; i < 6; ++i) {
-    const double r = modes.eigenvalues()[i];
-    if (r < negligible * largest) continue;
-    const Vector6 q = modes.eigenvectors().col(i);
-    R += r * q * q.transpose();
-    added += r * time / relaxation_of(q.dot(impulse.back() * q) / (r * time)) * q * q.transpose();
-  }
-  const Vector6 back = scale.cwiseInverse();
-  put(back.asDiagonal() * R * back.asDiagonal(), response.radiation);
-  put(back.asDiagonal() * added * back.asDiagonal(), response.added_mass);
-  return response;
-}
 
 std::vector<protocol::BodyResponse> measure_responses(LiquidEngine& engine, const LiquidState& start,
                                                       const std::vector<particles::BodyPose>& poses,
@@ -173,14 +120,25 @@ std::vector<protocol::BodyResponse> measure_responses(LiquidEngine& engine, cons
     const std::vector<Direction> directions = directions_of(freedoms[body.value]);
     if (directions.empty()) continue;
     const double gyration = gyration_of(scene.mbd->bodies[body.value]);
-    protocol::BodyResponse response =
-        fitted(step_response(probe, body, directions, speed, gyration, dt), gyration);
-    if (!(*std::ranges::max_element(response.radiation) > 0)) continue;
-    response.body = body.value;
-    responses.push_back(response);
+    double time = 0;
+    for (const std::array<double, 36>& impulse : step_response(probe, body, directions, speed, gyration))
+      responses.push_back({.body = body.value, .time = time += dt, .impulse = impulse});
   }
   engine.set_state(start, poses);
   return responses;
+}
+
+void turn(const Mat3d& now, const Mat3d& before, protocol::BodyResponse& response) {
+  if (now == before) return;
+  Eigen::Matrix3d to, from;
+  for (int i = 0; i < 3; ++i) {
+    to.row(i) << now.row[i].x, now.row[i].y, now.row[i].z;
+    from.row(i) << before.row[i].x, before.row[i].y, before.row[i].z;
+  }
+  Matrix6 both = Matrix6::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = to * from.transpose();
+  const Matrix6 turned = both * Eigen::Map<const Matrix6>(response.impulse.data()) * both.transpose();
+  Eigen::Map<Matrix6>(response.impulse.data()) = turned;
 }
 
 }  // namespace tandem::sph

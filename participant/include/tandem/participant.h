@@ -104,14 +104,13 @@ typedef struct tandem_body_tangent { /* dF = -stiffness dx - damping dv, dx = (d
   double damping[36];
 } tandem_body_tangent;
 
-/* A liquid resists a step of the body's velocity by dv: `delay` after it the load is -radiation dv, and falls as the
- * liquid begins to move with the body; the impulse is -added_mass dv in the end. */
+/* A liquid resists a step of the body's velocity by dv: until `time` after it the impulse -impulse dv. For a flat wall this
+ * begins as density * speed of sound * area * time, and ends as the added mass; at a time of 0 without sound. */
 typedef struct tandem_body_response {
-  uint32_t body;     /* index in the scene */
-  uint32_t reserved; /* 0 */
-  double delay;      /* of the solver's steps [s] */
-  double radiation[36];  /* rows: force, torque; for a flat wall density * speed of sound * area */
-  double added_mass[36]; /* rows: force, torque */
+  uint32_t body;      /* index in the scene */
+  uint32_t reserved;  /* 0 */
+  double time;        /* [s] */
+  double impulse[36]; /* rows: force, torque */
 } tandem_body_response;
 
 typedef struct tandem_particle_account { /* balance of the particles over one window */
@@ -161,8 +160,8 @@ typedef struct tandem_tangent_set {
   int64_t time; /* [ns] */
   size_t count;
   tandem_body_tangent *bodies;
-  size_t response_count; /* with TANDEM_CAN_RESPOND: `count`; else 0 */
-  tandem_body_response *responses;
+  size_t response_count; /* with TANDEM_CAN_RESPOND: points of responses by body and time, an array of the solver */
+  const tandem_body_response *responses;
 } tandem_tangent_set;
 
 typedef struct tandem_bodies_frame { /* for the results */

@@ -58,9 +58,6 @@ class Range {
 inline Range<tandem_body_motion> bodies(const tandem_motion_set& set) { return {set.bodies, set.count}; }
 inline Range<tandem_body_load> loads(const tandem_load_set& set) { return {set.bodies, set.count}; }
 inline Range<tandem_body_tangent> tangents(const tandem_tangent_set& set) { return {set.bodies, set.count}; }
-inline Range<tandem_body_response> responses(const tandem_tangent_set& set) {
-  return {set.responses, set.response_count};
-}
 inline Range<tandem_body_state> bodies(const tandem_bodies_frame& frame) { return {frame.bodies, frame.body_count}; }
 inline Range<tandem_joint_state> joints(const tandem_bodies_frame& frame) { return {frame.joints, frame.joint_count}; }
 inline Range<double> elements(const tandem_bodies_frame& frame) { return {frame.elements, frame.element_count}; }

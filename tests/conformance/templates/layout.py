@@ -54,7 +54,6 @@ def fortran_program(structs, constants):
 
 # Functions of the module that give an array, and what they take.
 LISTS = {"tandem_motions": "tandem_motion_set", "tandem_loads": "tandem_load_set", "tandem_tangents": "tandem_tangent_set",
-         "tandem_responses": "tandem_tangent_set",
          "tandem_states": "tandem_bodies_frame", "tandem_joints": "tandem_bodies_frame", "tandem_values": "tandem_control_set",
          "tandem_elements": "tandem_bodies_frame",
          "tandem_bodies": "tandem_configuration", "tandem_boundary": "tandem_configuration", "tandem_materials": "tandem_configuration",

@@ -39,6 +39,11 @@ TEST(Registration, TheSameMinorAndTheOneBeforeAreServed) {
   EXPECT_EQ(admitted(hello(0x33), {1, 3}), (Version{1, 3}));
 }
 
+// A participant that was built with the last release.
+TEST(Registration, OneOf1_4IsServed) {
+  EXPECT_EQ(admit(hello(0x82142f4fa4d5c467), {1, 4}, Role::mbd, can_predict, "mbd_server (pid 7)"), (Version{1, 4}));
+}
+
 TEST(Registration, OtherVersionsAreRefusedWithBothValues) {
   expect_refused(Violation::wrong_version,
                  AllOf(HasSubstr("version is 1.2"), HasSubstr("speaks 1.4 and 1.3"),
