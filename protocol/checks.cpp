@@ -270,11 +270,10 @@ void check_values(const TangentSet& value) {
     if (response.time < 0)
       throw ProtocolError(Violation::not_positive, owner + "time is " + text(response.time) + " s, below 0");
     const BodyResponse* before = &response == value.responses.data() ? nullptr : &response - 1;
-    if (before && (before->body > response.body ||
-                   (before->body == response.body && before->time >= response.time)))
-      throw ProtocolError(Violation::wrong_time,
-                          owner + "the response after " + text(response.time) +
-                              " s is not in the order of bodies and times");
+    if (before &&
+        (before->body > response.body || (before->body == response.body && before->time >= response.time)))
+      throw ProtocolError(Violation::wrong_time, owner + "the response after " + text(response.time) +
+                                                     " s is not in the order of bodies and times");
   }
 }
 

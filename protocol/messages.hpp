@@ -114,9 +114,9 @@ struct BodyTangent {
   std::array<double, 36> stiffness{};  // by rows: force, torque (6 x 6)
   std::array<double, 36> damping{};    // by rows: force, torque (6 x 6)
 };
-// One point of the response of the load on one boundary body to a step of its velocity by dv: until `time` after
-// the step the body was given the impulse -impulse dv. It begins as the radiation damping times the time, and
-// ends as the added mass. About the body's frame, world axes.
+// One point of the response of the load on one boundary body to a step of its velocity by dv: until `time`
+// after the step the body was given the impulse -impulse dv. It begins as the radiation damping times the
+// time, and ends as the added mass. About the body's frame, world axes.
 struct BodyResponse {
   std::uint32_t body = 0, reserved = 0;
   double time = 0;                   // [s]
@@ -125,8 +125,8 @@ struct BodyResponse {
 struct TangentSet {
   Nanoseconds time;
   std::vector<BodyTangent> bodies;  // bodies with contacts
-  // Bodies in a liquid, by body and time; straight lines between the points, from zero at no time, and the last
-  // impulse for good. Empty, and then not on the wire, without can_respond.
+  // Bodies in a liquid, by body and time; straight lines between the points, from zero at no time, and the
+  // last impulse for good. Empty, and then not on the wire, without can_respond.
   std::vector<BodyResponse> responses = {};
 };
 

@@ -16,7 +16,8 @@ struct Dialect {
   Version version;
   std::uint64_t layout_hash = 0;
 };
-// Newest first. A new minor version is added in front, and those before stay in the list while they cost nothing.
+// Newest first. A new minor version is added in front, and those before stay in the list while they cost
+// nothing.
 inline constexpr Dialect dialects[] = {
     {protocol_version, layout_hash}, {{1, 4}, 0x82142f4fa4d5c467}, {{1, 3}, 0x6da5c5873d6d05de}};
 

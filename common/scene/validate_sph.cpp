@@ -113,7 +113,8 @@ void validate_sph(const Scene& scene, const std::string& origin) {
     for (const Wall& wall : sph.walls)
       if (wall.body != ground)
         fail(origin, "mbd.start",
-             "the search for the equilibrium knows neither the weight of the liquid nor its buoyancy, and the body '" +
+             "the search for the equilibrium knows neither the weight of the liquid nor its buoyancy, and "
+             "the body '" +
                  scene.body_name(wall.body) + "' is a wall of it",
              "leave it out, and give the machine the position that it has with its liquid");
   const Liquid& liquid = sph.liquids.front();

@@ -56,8 +56,8 @@ class Aitken final : public Accelerator {
 // Struct. 87, 2009): differences of residuals and images of this window and of the last ones, newest first;
 // columns that add nothing new are left out. Deviation from the paper: the part of the residual that the
 // columns do not explain is relaxed like the first step, because a full step of a light body may take the
-// particles out of the valid range of their contact law. Where the response of a liquid is known, its step takes the place of
-// that relaxation.
+// particles out of the valid range of their contact law. Where the response of a liquid is known, its step
+// takes the place of that relaxation.
 class QuasiNewton final : public Accelerator {
  public:
   explicit QuasiNewton(double relaxation) : relaxation_(relaxation) {}

@@ -85,7 +85,7 @@ Eigen::VectorXd LinearImplicit::change(const Exchange& exchange, const protocol:
 }
 
 protocol::LoadSet LinearImplicit::corrected(const Exchange& exchange, const protocol::TangentSet& tangents,
-                                             const Eigen::VectorXd& change) const {
+                                            const Eigen::VectorXd& change) const {
   protocol::LoadSet result = exchange.load;
   const double H = exchange.path.window.length();
   Eigen::Index at = 0;

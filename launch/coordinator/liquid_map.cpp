@@ -14,6 +14,9 @@ namespace {
 constexpr double growth_tolerance = 1e-7;
 // Windows over which a load remembers the path of its body.
 constexpr std::size_t most_remembered = 32;
+// A load that still acts at the last point fades over this share of the time until then: it would not be
+// passive if it stopped at once.
+constexpr double tail_share = 0.5;
 
 // Velocity of the walls over a window: linear in time.
 struct Path {
@@ -33,8 +36,9 @@ struct Weight {
 };
 
 std::vector<Weight> weights_of(const LiquidMode& mode, double H) {
-  const double end = std::max(mode.time.back(), mode.time.front() * 2);
-  const auto count = static_cast<std::size_t>(std::ceil(end / std::max(H, end / most_remembered))) + 1;
+  const double end = mode.end_load() > 0 ? (1 + 4 * tail_share) * mode.time.back() : mode.time.back();
+  const auto count =
+      static_cast<std::size_t>(std::ceil(end / std::max({H, end / most_remembered, 1e-300}))) + 1;
   std::vector<Weight> weights;
   double mean_before = 0;
   for (std::size_t j = 0; j < count; ++j) {
@@ -119,10 +123,20 @@ void each(State& state, Visit visit) {
 double LiquidMode::until(double seconds, double window) const {
   const double scale = std::min(1.0, time.front() > 0 ? window / time.front() : 1);
   const double t = seconds / scale;
-  if (t >= time.back()) return scale * impulse.back();
+  if (t >= time.back()) {
+    const double tail = tail_share * time.back();
+    return scale * (impulse.back() - end_load() * tail * std::expm1((time.back() - t) / tail));
+  }
   const auto next = static_cast<std::size_t>(std::ranges::upper_bound(time, t) - time.begin());
   const double t0 = next == 0 ? 0 : time[next - 1], i0 = next == 0 ? 0 : impulse[next - 1];
   return scale * (i0 + (t - t0) / (time[next] - t0) * (impulse[next] - i0));
+}
+
+// The mean load over the last third of the points.
+double LiquidMode::end_load() const {
+  const std::size_t from = time.size() - 1 - time.size() / 3;
+  if (from + 1 >= time.size()) return 0;
+  return std::max(0.0, (impulse.back() - impulse[from]) / (time.back() - time[from]));
 }
 
 double LiquidMode::mean(double from, double to, double window) const {

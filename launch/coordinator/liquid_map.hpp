@@ -10,13 +10,14 @@
 namespace tandem::launch {
 
 // Response of the load on a body along one direction, over the mass of the body: straight lines between the
-// points, from zero at no time.
+// points, from zero at no time; after the last point the load fades.
 struct LiquidMode {
   std::vector<double> time, impulse;  // after a step of the velocity by one [s] [-]
 
   // Impulse until `seconds` after a step of the velocity, where windows have the length `window` [-]. In a
   // window shorter than the first time the liquid takes as much shorter steps, and answers sooner.
   double until(double seconds, double window) const;
+  double end_load() const;  // [1/s]
   // The same as the mean over a time [-].
   double mean(double from, double to, double window) const;
   double passed(double window) const { return until(window, window); }

@@ -20,7 +20,8 @@ constexpr double negligible_share = 1e-3;
 std::vector<Response> by_body(const std::vector<protocol::BodyResponse>& responses) {
   std::vector<Response> result;
   for (auto begin = responses.begin(); begin != responses.end();) {
-    const auto end = std::find_if(begin, responses.end(), [&](const auto& r) { return r.body != begin->body; });
+    const auto end =
+        std::find_if(begin, responses.end(), [&](const auto& r) { return r.body != begin->body; });
     result.emplace_back(begin, end);
     begin = end;
   }
@@ -47,8 +48,8 @@ std::vector<std::pair<LiquidMode, Vector6>> liquid_modes(Response response, cons
   return result;
 }
 
-Matrix6 passed_in(Response response, const scene::Body& body, const scene::Freedom& freedom,
-                  const Pose& pose, double window) {
+Matrix6 passed_in(Response response, const scene::Body& body, const scene::Freedom& freedom, const Pose& pose,
+                  double window) {
   Matrix6 sum = Matrix6::Zero();
   const Matrix6 mass = mass_matrix(body, pose);
   for (const auto& [mode, shape] : liquid_modes(response, body, freedom, pose, window)) {
@@ -78,7 +79,8 @@ std::optional<std::string> LiquidWatch::observe(const std::vector<protocol::Body
     LiquidFigures& figures = figures_[body];
     now.windows_beyond = figures.windows_beyond;
     if (now.growth > 1 + negligible_growth && now.windows_beyond++ == 0)
-      news = (news ? *news + "; " : std::string()) + warning(body, now, *judged.worst, motion.window, micro_step);
+      news = (news ? *news + "; " : std::string()) +
+             warning(body, now, *judged.worst, motion.window, micro_step);
     if (now.growth >= figures.growth)
       figures = now;
     else
@@ -117,14 +119,14 @@ std::string LiquidWatch::warning(std::uint32_t body, const LiquidFigures& now, c
   const scene::Scheme scheme = scene_.coupling.scheme;
   // A shorter window helps with the other schemes only where it has less than a step of the liquid, and costs
   // as many more steps.
-  std::string remedy = scheme == scene::Scheme::implicit
-                           ? "use windows with six steps of the liquid or more"
-                           : "use coupling.scheme = \"implicit\"";
+  std::string remedy = scheme == scene::Scheme::implicit ? "use windows with six steps of the liquid or more"
+                                                         : "use coupling.scheme = \"implicit\"";
   if (const double stable = critical_window(scene_.coupling, mode);
       scheme != scene::Scheme::implicit && stable > 0 && stable < H)
     remedy += fmt::format("; {} would need coupling.window = {:.2g} s", name(scheme), 0.9 * stable);
   return fmt::format(
-      "body '{}' is light for the liquid on it: from window {} on, of {:.3g} s with {:.0f} steps of the liquid, "
+      "body '{}' is light for the liquid on it: from window {} on, of {:.3g} s with {:.0f} steps of the "
+      "liquid, "
       "scheme {} multiplies a change of its velocity by {:.3g} in each window (estimate); the liquid gives "
       "{:.3g} times the change back within a window, and {:.3g} times later: {}",
       scene_.mbd->bodies[body].name, window.index, H, std::max(1.0, std::round(H / micro_step)), name(scheme),
@@ -137,7 +139,8 @@ void LiquidWatch::save_or_restore(Archive& archive) {
   archive.expect(stable_window_ >= 0 && (scene_.coupling.adaptive || std::isinf(stable_window_)),
                  "liquid_watch/window", "it is no time");
   for (const auto& [body, f] : figures_)
-    archive.expect(scene_.mbd && body < scene_.mbd->bodies.size() && std::isfinite(f.added) && std::isfinite(f.passed) && f.growth >= 0,
+    archive.expect(scene_.mbd && body < scene_.mbd->bodies.size() && std::isfinite(f.added) &&
+                       std::isfinite(f.passed) && f.growth >= 0,
                    "liquid_watch/figures", "no body is in a liquid like that");
 }
 

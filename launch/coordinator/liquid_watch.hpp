@@ -17,9 +17,9 @@ namespace tandem::launch {
 
 // The direction of a body in which the scheme makes the most of a change of velocity.
 struct LiquidFigures {
-  double added = 0;        // added mass, as far as it was measured, over the mass of the body [-]
-  double passed = 0;       // share of a change of velocity that the liquid gives back in the window [-]
-  double growth = 1;       // per window, of the worst window [-]
+  double added = 0;   // added mass, as far as it was measured, over the mass of the body [-]
+  double passed = 0;  // share of a change of velocity that the liquid gives back in the window [-]
+  double growth = 1;  // per window, of the worst window [-]
   std::uint64_t windows_beyond = 0;
 };
 
@@ -35,8 +35,8 @@ std::vector<std::pair<LiquidMode, Vector6>> liquid_modes(Response response, cons
                                                          double window);
 // Impulse that the body passes to the liquid in a window over the change of its velocity at the begin (6 x 6)
 // [kg] [kg m] [kg m2].
-Matrix6 passed_in(Response response, const scene::Body& body, const scene::Freedom& freedom,
-                  const Pose& pose, double window);
+Matrix6 passed_in(Response response, const scene::Body& body, const scene::Freedom& freedom, const Pose& pose,
+                  double window);
 
 class LiquidWatch {
  public:

@@ -36,8 +36,8 @@ std::vector<StabilityWatch::Mode> StabilityWatch::modes(const protocol::BodyTang
                                                         const protocol::BodyTangent* support,
                                                         const Pose& pose) const {
   std::vector<Mode> result;
-  for (const BodyMode& found : modes_of(tangent.stiffness, scene_.mbd->bodies[tangent.body],
-                                        freedoms_[tangent.body], pose)) {
+  for (const BodyMode& found :
+       modes_of(tangent.stiffness, scene_.mbd->bodies[tangent.body], freedoms_[tangent.body], pose)) {
     if (!(found.value > 0)) continue;
     const auto along = [&found](const std::array<double, 36>& matrix) {
       return std::max(0.0, found.shape.dot(Eigen::Map<const Matrix6>(matrix.data()) * found.shape));
@@ -46,7 +46,8 @@ std::vector<StabilityWatch::Mode> StabilityWatch::modes(const protocol::BodyTang
     Mode& mode = result.emplace_back();
     mode.omega = omega;
     mode.zeta = along(tangent.damping) / (2 * omega);
-    if (support) mode.support = {along(support->stiffness) / (omega * omega), along(support->damping) / omega};
+    if (support)
+      mode.support = {along(support->stiffness) / (omega * omega), along(support->damping) / omega};
   }
   return result;
 }

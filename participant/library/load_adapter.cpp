@@ -66,8 +66,8 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
                            reinterpret_cast<tandem_body_tangent*>(tangents_.bodies.data()), 0, nullptr};
     expect_ok(table_.linearise(self_, &set), "linearise");
     if (!responds() && set.responses)
-      throw Error(ErrorCode::internal, "is given: `capabilities` has no TANDEM_CAN_RESPOND", "linearise: responses",
-                  "leave it out");
+      throw Error(ErrorCode::internal, "is given: `capabilities` has no TANDEM_CAN_RESPOND",
+                  "linearise: responses", "leave it out");
     const auto* responses = reinterpret_cast<const protocol::BodyResponse*>(set.responses);
     tangents_.responses.assign(responses, responses + (responses ? set.response_count : 0));
     return tangents_;

@@ -82,8 +82,8 @@ void Solver::measure_responses(const LiquidStart& start, const LiquidState& liqu
                dt = window / steps;
   std::vector<BodyId> body_of;
   for (const particles::BoundaryBody& body : bodies_) body_of.push_back(body.body);
-  responses_ = sph::measure_responses(*engine_, liquid, start.poses, body_of, scene_, properties_.sound_speed, dt,
-                                      static_cast<int>(std::clamp(3 * steps, fewest, most)));
+  responses_ = sph::measure_responses(*engine_, liquid, start.poses, body_of, scene_, properties_.sound_speed,
+                                      dt, static_cast<int>(std::clamp(3 * steps, fewest, most)));
 }
 
 const protocol::TangentSet& Solver::linearise() {

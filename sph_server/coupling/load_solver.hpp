@@ -63,7 +63,7 @@ class Solver final : public protocol::LoadSolver {
   // Below this share of the step of the liquid at rest its particles fly apart.
   static constexpr double least_step_share = 0.01;
 
-  double step_at_rest() const;  // [s]
+  double step_at_rest() const;                  // [s]
   std::uint64_t steps_of(double window) const;  // of the liquid at rest
   // Bound of the share of its momentum that a body passes to the liquid in a window [-].
   double most_passed(const LiquidStart& start, double window) const;

@@ -48,8 +48,8 @@ class Probe {
       for (std::size_t b = 0; b < now.size(); ++b) {
         if (body_of_[b] != body) continue;
         const Wrench& load = engine_.step_loads()[b];
-        sum += dt_ * Vector6{load.force.x,  load.force.y,  load.force.z,
-                             load.torque.x, load.torque.y, load.torque.z};
+        sum += dt_ *
+               Vector6{load.force.x, load.force.y, load.force.z, load.torque.x, load.torque.y, load.torque.z};
       }
       sums.push_back(sum);
     }

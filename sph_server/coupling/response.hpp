@@ -1,4 +1,5 @@
-// How the liquid at the start resists a step of the velocity of each body, for the stability of the coupling (docs/coupling.md).
+// How the liquid at the start resists a step of the velocity of each body, for the stability of the coupling
+// (docs/coupling.md).
 #pragma once
 
 #include <vector>

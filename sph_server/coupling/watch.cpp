@@ -45,9 +45,10 @@ void Solver::stop_fast_walls(double time) const {
     if (!(speed > limit)) continue;
     throw Error(
         ErrorCode::numerics,
-        fmt::format("at t = {:.6g} s a wall of body '{}', which is in the liquid, has {:.3g} m/s, {:.2g} of the "
-                    "speed of sound (limit {:.2g})",
-                    time, bodies_[b].name, speed, speed / properties_.sound_speed, largest_mach),
+        fmt::format(
+            "at t = {:.6g} s a wall of body '{}', which is in the liquid, has {:.3g} m/s, {:.2g} of the "
+            "speed of sound (limit {:.2g})",
+            time, bodies_[b].name, speed, speed / properties_.sound_speed, largest_mach),
         "liquid",
         fmt::format("where it is meant to be so fast, give an expected_speed of {:.3g} m/s; where its "
                     "velocity alternates, it is light for its liquid: use coupling.scheme = \"implicit\"",

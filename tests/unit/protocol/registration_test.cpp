@@ -41,7 +41,8 @@ TEST(Registration, TheSameMinorAndTheOneBeforeAreServed) {
 
 // A participant that was built with the last release.
 TEST(Registration, OneOf1_4IsServed) {
-  EXPECT_EQ(admit(hello(0x82142f4fa4d5c467), {1, 4}, Role::mbd, can_predict, "mbd_server (pid 7)"), (Version{1, 4}));
+  EXPECT_EQ(admit(hello(0x82142f4fa4d5c467), {1, 4}, Role::mbd, can_predict, "mbd_server (pid 7)"),
+            (Version{1, 4}));
 }
 
 TEST(Registration, OtherVersionsAreRefusedWithBothValues) {

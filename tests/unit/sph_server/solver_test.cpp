@@ -202,12 +202,16 @@ TEST(SphSolver, FramesHavePressureAndDensity) {
               kept.liquid == frame.liquid && kept.time == frame.time);
 }
 
-// Moved along x the basin first radiates sound from its two ends, and in the end has moved all of the water. What was
-// measured leaves the liquid as it was.
+// Moved along x the basin first radiates sound from its two ends, and in the end has moved all of the water.
+// What was measured leaves the liquid as it was.
 TEST(SphSolver, RespondsToAStepOfTheVelocity) {
   nlohmann::json scene = basin(), heavy = basin();
-  scene["mbd"]["joints"] = {{{"name", "rail"}, {"type", "prismatic"}, {"parent", "ground"}, {"child", "basin"},
-                             {"position", {0, 0, 0}}, {"axis", {1, 0, 0}}}};
+  scene["mbd"]["joints"] = {{{"name", "rail"},
+                             {"type", "prismatic"},
+                             {"parent", "ground"},
+                             {"child", "basin"},
+                             {"position", {0, 0, 0}},
+                             {"axis", {1, 0, 0}}}};
   heavy["mbd"]["bodies"][0]["mass"] = 1e9;
   heavy["mbd"]["bodies"][0]["inertia"] = {1e9, 1e9, 1e9};
   BasinRun run(scene), other(heavy);

@@ -1,5 +1,5 @@
-// A lid of a tenth and of a hundredth of the density of the water on which it lies, one spacing thick: the schemes
-// with the real solvers. docs/coupling.md has the limits.
+// A lid of a tenth and of a hundredth of the density of the water on which it lies, one spacing thick: the
+// schemes with the real solvers. docs/coupling.md has the limits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -70,7 +70,8 @@ TEST(LightLid, IsStableWithImplicitFromOneToTwentySteps) {
       const launch::Coupler& coupler = run.coupler();
       const double iterations = static_cast<double>(coupler.counters().iterations) / windows;
       std::printf(
-          "density %g, %g steps in a window: fastest %.3g m/s (expected below 0.3), %.2f iterations (below 5)\n",
+          "density %g, %g steps in a window: fastest %.3g m/s (expected below 0.3), %.2f iterations (below "
+          "5)\n",
           density, steps, run.fastest, iterations);
       EXPECT_LT(run.fastest, 0.3);
       EXPECT_LT(iterations, 5);
@@ -99,7 +100,8 @@ TEST(LightLid, IsStableWithLinearImplicit) {
   for (const double steps : {6.0, 20.0}) {
     LidRun run(lid(100, "linear_implicit", steps * step));
     for (int i = 0; i < 15; ++i) run.advance();
-    std::printf("linear_implicit, %g steps in a window: fastest %.3g m/s (expected below 0.3)\n", steps, run.fastest);
+    std::printf("linear_implicit, %g steps in a window: fastest %.3g m/s (expected below 0.3)\n", steps,
+                run.fastest);
     EXPECT_LT(run.fastest, 0.3);
   }
 }
