@@ -387,7 +387,7 @@ TEST(SessionFrames, AParticipantRefusesAFrameThatIsNotTheNextOfThisRun) {
                               {"generation is 9, expected 1", generation},
                               {"the header's window is 1, expected 0", later},
                               {"the header's iteration is 1, expected 0", again},
-                              {"minor version is 5, expected 4", minor}};
+                              {"minor version is 6, expected 5", minor}};
   for (const Lie& lie : lies) {
     Served served(Role::dem, SessionState::ready);
     served.peer.send(Kind::save, {}, lie.header);
