@@ -151,7 +151,8 @@ const WrongScene wrong_sph[] = {
     {"EquilibriumOfABodyInTheLiquid",
      "[" SPH_WITH(
          LIQUID(""),
-         R"("walls": [{"name": "skin", "body": "arm", "shape": {"type": "sphere", "radius": 0.1}}],)") R"(, {"op": "add", "path": "/mbd/start", "value": "equilibrium"}])",
+         R"("walls": [{"name": "skin", "body": "arm", "shape": {"type": "sphere", "radius": 0.1}}],)") R"(, {"op": "add", "path": "/mbd/start", "value": "equilibrium"},
+             {"op": "add", "path": "/mbd/bodies/3/velocity", "value": [0, 0, 0]}, {"op": "add", "path": "/mbd/bodies/3/angular_velocity", "value": [0, 0, 0]}, {"op": "add", "path": "/mbd/joints/0/rate", "value": 0}])",
      "mbd.start: the search for the equilibrium knows neither the weight of the liquid nor its buoyancy, and "
      "the body "
      "'arm' is a wall of it (leave it out, and give the machine the position that it has with its liquid)"},
