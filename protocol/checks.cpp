@@ -215,6 +215,14 @@ void BoundaryBodies::expect_some(const std::vector<BodyTangent>& bodies) {
   for (const BodyTangent& tangent : bodies) mark(tangent.body, false);
 }
 
+void BoundaryBodies::expect_some(const std::vector<BodyResponse>& bodies) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (i > 0 && bodies[i].body == bodies[i - 1].body) continue;
+    seen_.assign(ids_.size(), false);
+    mark(bodies[i].body, false);
+  }
+}
+
 void check_values(const Configuration& value) {
   for (const NamedMesh& mesh : value.meshes) check_mesh(mesh);
 }
@@ -254,6 +262,18 @@ void check_values(const TangentSet& value) {
     const std::string owner = body_name(tangent.body) + ": ";
     check_record(tangent, owner);
     expect_zero(tangent.reserved, owner);
+  }
+  for (const BodyResponse& response : value.responses) {
+    const std::string owner = body_name(response.body) + ": ";
+    check_record(response, owner);
+    expect_zero(response.reserved, owner);
+    if (response.time < 0)
+      throw ProtocolError(Violation::not_positive, owner + "time is " + text(response.time) + " s, below 0");
+    const BodyResponse* before = &response == value.responses.data() ? nullptr : &response - 1;
+    if (before &&
+        (before->body > response.body || (before->body == response.body && before->time >= response.time)))
+      throw ProtocolError(Violation::wrong_time, owner + "the response after " + text(response.time) +
+                                                     " s is not in the order of bodies and times");
   }
 }
 

@@ -20,6 +20,7 @@ class BoundaryBodies {
   void expect_some(const std::vector<BodyLoad>& bodies);
   // Throws unless each element is a boundary body, at most once.
   void expect_some(const std::vector<BodyTangent>& bodies);
+  void expect_some(const std::vector<BodyResponse>& bodies);
 
  private:
   void mark(std::uint32_t body, bool may_be_ground);

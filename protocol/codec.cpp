@@ -196,6 +196,7 @@ void visit(auto& io, Either<LoadSet> auto& v) {
 void visit(auto& io, Either<TangentSet> auto& v) {
   io.value(v.time);
   io.array(v.bodies);
+  io.rest(v.responses);
 }
 
 void visit(auto& io, Either<ControlSet> auto& v) {

@@ -171,7 +171,8 @@ Found compare_payload(const LoadSet& a, const LoadSet& b) {
 }
 Found compare_payload(const TangentSet& a, const TangentSet& b) {
   if (Found found = compare("time", a.time, b.time)) return found;
-  return compare_list("bodies", a.bodies, b.bodies);
+  if (Found found = compare_list("bodies", a.bodies, b.bodies)) return found;
+  return compare_list("responses", a.responses, b.responses);
 }
 Found compare_payload(const Configured& a, const Configured& b) {
   if (Found found = compare_list("boundary bodies", a.boundary, b.boundary)) return found;

@@ -52,6 +52,7 @@ enum Capability : std::uint64_t {
   can_observe_walls = 1u << 11,     // dem: its particles frames have the fields of walls; since 1.4
   can_snapshot = 1u << 12,          // dem: keeps a particles frame for later; since 1.4
   can_observe_liquid = 1u << 13,    // sph: its particles frames have pressure and density; since 1.4
+  can_respond = 1u << 14,           // dem, sph: its tangents have responses, also before a window; since 1.5
 };
 
 struct Hello {
@@ -113,9 +114,20 @@ struct BodyTangent {
   std::array<double, 36> stiffness{};  // by rows: force, torque (6 x 6)
   std::array<double, 36> damping{};    // by rows: force, torque (6 x 6)
 };
+// One point of the response of the load on one boundary body to a step of its velocity by dv: until `time`
+// after the step the body was given the impulse -impulse dv. It begins as the radiation damping times the
+// time, and ends as the added mass. About the body's frame, world axes.
+struct BodyResponse {
+  std::uint32_t body = 0, reserved = 0;
+  double time = 0;                   // [s]
+  std::array<double, 36> impulse{};  // by rows: force, torque (6 x 6)
+};
 struct TangentSet {
   Nanoseconds time;
   std::vector<BodyTangent> bodies;  // bodies with contacts
+  // Bodies in a liquid, by body and time; straight lines between the points, from zero at no time, and the
+  // last impulse for good. Empty, and then not on the wire, without can_respond.
+  std::vector<BodyResponse> responses = {};
 };
 
 struct ParticleAccount {  // balance of the particles over one window, recorded by the DEM side

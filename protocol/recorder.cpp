@@ -44,14 +44,6 @@ bool get(std::istream& in, T& value) {
   return static_cast<bool>(in.read(reinterpret_cast<char*>(&value), sizeof value));
 }
 
-std::string spoken() {
-  std::string list;
-  for (const Dialect& dialect : dialects)
-    list += (list.empty() ? "" : " and ") + std::to_string(dialect.version.major) + "." +
-            std::to_string(dialect.version.minor);
-  return list;
-}
-
 const std::filesystem::path& replaceable(const std::filesystem::path& file) {
   Recorder::expect_replaceable(file);
   return file;
@@ -130,7 +122,7 @@ RecordingReader::RecordingReader(const std::filesystem::path& file, Part part) :
     throw Error(ErrorCode::usage, "is no recording", path_.string(), how_to_record);
   if (std::ranges::find(dialects, head.layout, &Dialect::layout_hash) == std::end(dialects))
     throw Error(ErrorCode::usage,
-                "was recorded with another layout of the protocol than those of versions " + spoken(),
+                "was recorded with another layout of the protocol than those of versions " + versions_of(),
                 path_.string(), "read it with the release that recorded it");
   size_ = std::filesystem::file_size(path_);
   at_ = sizeof head;

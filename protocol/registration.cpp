@@ -20,6 +20,15 @@ std::string hex(std::uint64_t value) {
 
 }  // namespace
 
+std::string versions_of(std::span<const Dialect> spoken) {
+  std::string list;
+  for (const Dialect& dialect : spoken) {
+    const bool last = &dialect == &spoken.back();
+    list += (list.empty() ? "" : last ? " and " : ", ") + text(dialect.version);
+  }
+  return list;
+}
+
 std::string capability_names(std::uint64_t capabilities) {
   std::string list;
   const auto add = [&](Capability bit, const char* capability) {
@@ -40,6 +49,7 @@ std::string capability_names(std::uint64_t capabilities) {
   add(can_observe_walls, "can_observe_walls");
   add(can_snapshot, "can_snapshot");
   add(can_observe_liquid, "can_observe_liquid");
+  add(can_respond, "can_respond");
   if (capabilities != 0) list += (list.empty() ? "bits " : ", bits ") + hex(capabilities);
   return list.empty() ? "none" : list;
 }
@@ -62,8 +72,7 @@ Version admit(const Hello& hello, Version version, Role role, std::uint64_t need
   const auto dialect = std::ranges::find(spoken, version, &Dialect::version);
   if (dialect == spoken.end())
     refuse(Violation::wrong_version,
-           "protocol version is " + text(version) + ", the coordinator speaks " + text(ours) +
-               (spoken.size() > 1 ? " and " + text(spoken.back().version) : ""),
+           "protocol version is " + text(version) + ", the coordinator speaks " + versions_of(spoken),
            version.major > ours.major || (version.major == ours.major && version.minor > ours.minor)
                ? "use a coordinator of that version or newer"
                : "update the participant");

@@ -185,7 +185,10 @@ const TangentSet& Remote::linearise() {
   s.link.read(s.tangents);
   s.link.check([&] {
     s.link.progress().expect_now(s.tangents.time);
-    s.bodies.expect_some(s.tangents.bodies);
+    if (s.bodies.known()) {  // else before the first window
+      s.bodies.expect_some(s.tangents.bodies);
+      s.bodies.expect_some(s.tangents.responses);
+    }
     check_values(s.tangents);
   });
   return s.tangents;

@@ -12,6 +12,6 @@ struct Version {
   friend constexpr bool operator==(Version, Version) = default;
 };
 
-inline constexpr Version protocol_version{1, 4};
+inline constexpr Version protocol_version{1, 5};
 
 }  // namespace tandem::protocol

@@ -109,6 +109,14 @@ void validate_sph(const Scene& scene, const std::string& origin) {
              text(scene.coupling.window) + " s",
          "a window holds whole steps");
   if (sph.follows) validate_moving_liquid(scene, origin);
+  if (scene.mbd && scene.mbd->start == Start::equilibrium)
+    for (const Wall& wall : sph.walls)
+      if (wall.body != ground)
+        fail(origin, "mbd.start",
+             "the search for the equilibrium knows neither the weight of the liquid nor its buoyancy, and "
+             "the body '" +
+                 scene.body_name(wall.body) + "' is a wall of it",
+             "leave it out, and give the machine the position that it has with its liquid");
   const Liquid& liquid = sph.liquids.front();
   const std::string path = element("sph.liquids", 0);
   validate_density(liquid.density, origin, path);

@@ -90,6 +90,7 @@ VectorXd QuasiNewton::next(const VectorXd& x, const VectorXd& image) {
     step -= share * d.iterate;
     directions.push_back(std::move(d));
   }
+  if (expected_.rows() == x.size()) return x + step + expected_ * unexplained;
   return x + step + relaxation_ * unexplained;
 }
 

@@ -16,6 +16,8 @@ class Accelerator {
   virtual ~Accelerator() = default;
   // The next iterate, from the present one and its image.
   virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) = 0;
+  // An estimate of (1 - g')^-1, which replaces the relaxation until differences are known; empty: none.
+  virtual void expect(const Eigen::MatrixXd&) {}
   // Ends the iteration of a window: the next one has another fixed point, of a similar function.
   virtual void end_window() = 0;
   // Saves or restores the state that is kept between two windows.
@@ -54,11 +56,13 @@ class Aitken final : public Accelerator {
 // Struct. 87, 2009): differences of residuals and images of this window and of the last ones, newest first;
 // columns that add nothing new are left out. Deviation from the paper: the part of the residual that the
 // columns do not explain is relaxed like the first step, because a full step of a light body may take the
-// particles out of the valid range of their contact law.
+// particles out of the valid range of their contact law. Where the response of a liquid is known, its step
+// takes the place of that relaxation.
 class QuasiNewton final : public Accelerator {
  public:
   explicit QuasiNewton(double relaxation) : relaxation_(relaxation) {}
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& image) override;
+  void expect(const Eigen::MatrixXd& inverse) override { expected_ = inverse; }
   void end_window() override;
   void save_or_restore(Archive& archive) override;
 
@@ -67,6 +71,7 @@ class QuasiNewton final : public Accelerator {
     Eigen::VectorXd residual, iterate;  // differences of two evaluations
   };
   double relaxation_;
+  Eigen::MatrixXd expected_;        // of this window
   std::deque<Column> columns_;      // newest first
   std::deque<std::size_t> counts_;  // columns of each window, newest window first
   std::size_t own_ = 0;             // columns of this window

@@ -16,6 +16,7 @@ Coupler::Coupler(const scene::Scene& scene, const Solvers& solvers)
       control_(scene.coupling),
       space_(scene, Departure::straight),
       watch_(scene),
+      liquid_watch_(scene),
       watching_(solvers.mbd && any_linearises(solvers)),
       supported_(watching_ && scene.contact && solvers.mbd->can(protocol::can_linearise)),
       body_momentum_(scene),
@@ -54,6 +55,7 @@ bool Coupler::try_window(const Window& window) {
   }
   exchange_.held = false;
   exchange_.iterations = 1;
+  if (watching_ && windows_ == 0) exchange_.tangents.responses = responses_of(solvers_);
   try {
     scheme_->advance(window, exchange_);
   } catch (const NotConverged&) {
@@ -66,7 +68,8 @@ bool Coupler::try_window(const Window& window) {
 
   const WindowBalance balance = accounts_.balance_of(exchange_);
   const WindowError error{std::abs(balance.created()), balance.exchanged(), distance()};
-  if (!control_.accept(window, error, exchange_.load.account.micro_step, watch_.stable_window()))
+  if (!control_.accept(window, error, exchange_.load.account.micro_step,
+                       std::min(watch_.stable_window(), liquid_watch_.stable_window())))
     return false;
   accounts_.record(exchange_);
   body_momentum_.record(exchange_);
@@ -112,6 +115,7 @@ void Coupler::save_or_restore(Archive& archive) {
   joint_watch_.save_or_restore(archive);
   energy_watch_.save_or_restore(archive);
   watch_.save_or_restore(archive, windows_ + counters_.rejected);
+  liquid_watch_.save_or_restore(archive);
   scheme_->save_or_restore(archive);
 }
 
@@ -121,10 +125,17 @@ void Coupler::look_at_contacts() {
   const protocol::TangentSet& supports = supported_ ? solvers_.mbd->linearise() : no_supports_;
   if (const auto sentence = watch_.observe(exchange_.tangents, supports, exchange_.motion)) {
     // Adaptive windows stay below the limit because they follow the error.
-    if (control_.adaptive()) return;
-    log::warn("{}", *sentence);
-    warnings_.push_back(*sentence);
+    if (!control_.adaptive()) warn(*sentence);
   }
+  const double step = exchange_.load.account.micro_step;
+  if (const auto sentence = liquid_watch_.observe(exchange_.tangents.responses, exchange_.motion, step);
+      sentence && !(control_.adaptive() && control_.may_follow(liquid_watch_.stable_window())))
+    warn(*sentence);
+}
+
+void Coupler::warn(const std::string& sentence) {
+  log::warn("{}", sentence);
+  warnings_.push_back(sentence);
 }
 
 // Distance between the end of the path prescribed to the particles and the end of the path that the bodies

@@ -8,6 +8,7 @@
 #include "launch/coordinator/body_momentum.hpp"
 #include "launch/coordinator/energy_watch.hpp"
 #include "launch/coordinator/joint_watch.hpp"
+#include "launch/coordinator/liquid_watch.hpp"
 #include "launch/coordinator/motion_watch.hpp"
 #include "launch/coordinator/path_space.hpp"
 #include "launch/coordinator/path_watch.hpp"
@@ -55,6 +56,7 @@ class Coupler {
   const JointWatch& joint_watch() const { return joint_watch_; }
   const EnergyWatch& energy_watch() const { return energy_watch_; }
   const StabilityWatch& watch() const { return watch_; }
+  const LiquidWatch& liquid_watch() const { return liquid_watch_; }
   const CouplerCounters& counters() const { return counters_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   std::uint64_t too_wrong() const { return control_.too_wrong(); }
@@ -62,6 +64,7 @@ class Coupler {
  private:
   bool try_window(const Window& window);
   void look_at_contacts();
+  void warn(const std::string& sentence);
   double distance() const;
 
   const scene::Scene& scene_;
@@ -70,6 +73,7 @@ class Coupler {
   WindowControl control_;
   PathSpace space_;
   StabilityWatch watch_;
+  LiquidWatch liquid_watch_;
   bool watching_;
   bool supported_;  // bodies have contacts with each other, and the multibody side reports them
   const protocol::TangentSet no_supports_;

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+
+#include "launch/coordinator/liquid_watch.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -18,6 +21,8 @@ Implicit::Implicit(const scene::Scene& scene, const Solvers& solvers)
       how_(scene.coupling),
       iteration_(scene.coupling.iteration.value_or(scene::Iteration{})),
       space_(scene, scene.coupling.load == scene::LoadShape::mean ? Departure::straight : Departure::cubic),
+      scene_(scene),
+      freedoms_(scene::freedoms_of(*scene.mbd)),
       accelerator_(make_accelerator(iteration_)) {
   for (const scene::Body& body : scene.mbd->bodies) names_.push_back(body.name);
 }
@@ -30,6 +35,7 @@ void Implicit::advance(const Window& window, Exchange& exchange) {
   Eigen::VectorXd x =
       Eigen::VectorXd::Zero(space_.lengths() * static_cast<Eigen::Index>(predicted.bodies.size()));
   double first = 0;  // residual [m]
+  accelerator_->expect(expected_step(predicted, exchange.tangents.responses));
 
   for (exchange.iterations = 1;; ++exchange.iterations) {
     start_loads(solvers_, exchange.path);
@@ -52,6 +58,33 @@ void Implicit::advance(const Window& window, Exchange& exchange) {
     exchange.path = space_.moved(predicted, x);
   }
   accelerator_->end_window();
+}
+
+Eigen::MatrixXd Implicit::expected_step(const protocol::MotionSet& predicted,
+                                        const std::vector<protocol::BodyResponse>& responses) const {
+  if (responses.empty() || space_.lengths() != 6) return {};
+  const auto size = 6 * static_cast<Eigen::Index>(predicted.bodies.size());
+  // Grains may answer as well.
+  Eigen::MatrixXd step = (scene_.dem ? iteration_.relaxation : 1) * Eigen::MatrixXd::Identity(size, size);
+  for (std::size_t b = 0; b < predicted.bodies.size(); ++b) {
+    const protocol::BodyMotion& motion = predicted.bodies[b];
+    const std::vector<Response> all = by_body(responses);
+    const auto found =
+        std::ranges::find_if(all, [&motion](Response r) { return r.front().body == motion.body; });
+    if (found == all.end()) continue;
+    const scene::Body& body = scene_.mbd->bodies[motion.body];
+    const double H = predicted.window.length(), L = space_.gyration(motion.body);
+    Vector6 lengths;
+    lengths << 1, 1, 1, L, L, L;
+    // A deviation x of the end changes the velocity by x / H, the mean load by -(passed / H) x / H, and the
+    // end of the path under it by half of H^2 / m times that.
+    const Matrix6 passed = passed_in(*found, body, freedoms_[motion.body], motion.begin_pose, H),
+                  g = 0.5 * mass_matrix(body, motion.begin_pose).inverse() * passed;
+    const Matrix6 inverse = (Matrix6::Identity() + g).inverse();
+    const auto at = 6 * static_cast<Eigen::Index>(b);
+    step.block<6, 6>(at, at) *= lengths.asDiagonal() * inverse * lengths.cwiseInverse().asDiagonal();
+  }
+  return step;
 }
 
 void Implicit::give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,

@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "common/scene/freedoms.hpp"
 #include "launch/coordinator/acceleration.hpp"
 #include "launch/coordinator/path_space.hpp"
 #include "launch/coordinator/schemes.hpp"
@@ -31,6 +32,10 @@ class Implicit final : public Scheme {
   void save_or_restore(Archive& archive) override { accelerator_->save_or_restore(archive); }
 
  private:
+  // (1 - g')^-1 of the step from a path to the one that its load causes, by the response of the liquid. Empty
+  // where no liquid responds.
+  Eigen::MatrixXd expected_step(const protocol::MotionSet& predicted,
+                                const std::vector<protocol::BodyResponse>& responses) const;
   [[noreturn]] void give_up(const Window& window, const Eigen::VectorXd& residual, double allowed,
                             const Exchange& exchange) const;
 
@@ -39,6 +44,8 @@ class Implicit final : public Scheme {
   scene::Iteration iteration_;
   PathSpace space_;
   std::vector<std::string> names_;  // of the bodies
+  const scene::Scene& scene_;
+  std::vector<scene::Freedom> freedoms_;
   std::unique_ptr<Accelerator> accelerator_;
 };
 

@@ -6,12 +6,10 @@
 
 #include "common/error.hpp"
 #include "launch/coordinator/acceleration.hpp"
+#include "launch/coordinator/liquid_watch.hpp"
 
 namespace tandem::launch {
 namespace {
-
-using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // The response of the bodies is linear except for rotations and for joints with friction or stops: as many
 // solves as one body has coordinates find it, plus a few.
@@ -26,23 +24,26 @@ const protocol::BodyMotion& motion_of(const protocol::MotionSet& set, std::uint3
 }  // namespace
 
 LinearImplicit::LinearImplicit(const scene::Scene& scene, const Solvers& solvers)
-    : solvers_(solvers), how_(scene.coupling), space_(scene, Departure::straight) {}
+    : solvers_(solvers), how_(scene.coupling), space_(scene, Departure::straight), scene_(scene) {
+  if (scene.mbd) freedoms_ = scene::freedoms_of(*scene.mbd);
+}
 
 void LinearImplicit::advance(const Window& window, Exchange& exchange) {
   predict_path(solvers_, how_.path, window, exchange);
   start_loads(solvers_, exchange.path);
   finish_loads(solvers_, exchange);
   exchange.tangents = linearise_loads(solvers_);
+  const protocol::TangentSet tangents = with_responses(exchange);
 
   // The particle side is replaced by its tangent; only the bodies repeat the window.
   solvers_.mbd->save();
   QuasiNewton accelerator(0.1);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * exchange.tangents.bodies.size()));
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * tangents.bodies.size()));
   for (int solve = 1;; ++solve) {
-    exchange.applied = shaped(corrected(exchange, x), how_.load);
+    exchange.applied = shaped(corrected(exchange, tangents, x), how_.load);
     solvers_.mbd->start_advance(exchange.applied);
     exchange.motion = solvers_.mbd->finish_motion();
-    const Eigen::VectorXd image = change(exchange);
+    const Eigen::VectorXd image = change(exchange, tangents);
     if ((image - x).norm() <= tolerance * image.norm()) return;
     if (solve == max_solves)
       throw Error(ErrorCode::numerics,
@@ -55,10 +56,24 @@ void LinearImplicit::advance(const Window& window, Exchange& exchange) {
   }
 }
 
-Eigen::VectorXd LinearImplicit::change(const Exchange& exchange) const {
-  Eigen::VectorXd result(static_cast<Eigen::Index>(6 * exchange.tangents.bodies.size()));
+protocol::TangentSet LinearImplicit::with_responses(const Exchange& exchange) const {
+  protocol::TangentSet tangents = exchange.tangents;
+  const double H = exchange.path.window.length();
+  for (const Response response : by_body(exchange.tangents.responses)) {
+    const std::uint32_t body = response.front().body;
+    auto of = std::ranges::find(tangents.bodies, body, &protocol::BodyTangent::body);
+    if (of == tangents.bodies.end()) of = tangents.bodies.insert(of, {.body = body});
+    Eigen::Map<Matrix6>(of->damping.data()) += passed_in(response, scene_.mbd->bodies[body], freedoms_[body],
+                                                         motion_of(exchange.path, body).begin_pose, H) /
+                                               H;
+  }
+  return tangents;
+}
+
+Eigen::VectorXd LinearImplicit::change(const Exchange& exchange, const protocol::TangentSet& tangents) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(6 * tangents.bodies.size()));
   Eigen::Index at = 0;
-  for (const protocol::BodyTangent& tangent : exchange.tangents.bodies) {
+  for (const protocol::BodyTangent& tangent : tangents.bodies) {
     const Twist &taken = motion_of(exchange.motion, tangent.body).end_twist,
                 &predicted = motion_of(exchange.path, tangent.body).end_twist;
     const Vec3d v = taken.v_WB - predicted.v_WB,
@@ -69,11 +84,12 @@ Eigen::VectorXd LinearImplicit::change(const Exchange& exchange) const {
   return result;
 }
 
-protocol::LoadSet LinearImplicit::corrected(const Exchange& exchange, const Eigen::VectorXd& change) const {
+protocol::LoadSet LinearImplicit::corrected(const Exchange& exchange, const protocol::TangentSet& tangents,
+                                            const Eigen::VectorXd& change) const {
   protocol::LoadSet result = exchange.load;
   const double H = exchange.path.window.length();
   Eigen::Index at = 0;
-  for (const protocol::BodyTangent& tangent : exchange.tangents.bodies) {
+  for (const protocol::BodyTangent& tangent : tangents.bodies) {
     Vector6 twist = change.segment<6>(at);
     at += 6;
     twist.tail<3>() /= space_.gyration(tangent.body);

@@ -6,6 +6,7 @@
 // mass H D + H^2 K to the body and so slows vibrations that are faster than a window.
 #pragma once
 
+#include "common/scene/freedoms.hpp"
 #include "launch/coordinator/path_space.hpp"
 #include "launch/coordinator/schemes.hpp"
 
@@ -18,13 +19,18 @@ class LinearImplicit final : public Scheme {
 
  private:
   // Changes of the end twists relative to the predicted ones, for the bodies with a tangent (6 x tangents).
-  Eigen::VectorXd change(const Exchange& exchange) const;
+  Eigen::VectorXd change(const Exchange& exchange, const protocol::TangentSet& tangents) const;
   // exchange.load, corrected for these changes.
-  protocol::LoadSet corrected(const Exchange& exchange, const Eigen::VectorXd& change) const;
+  protocol::LoadSet corrected(const Exchange& exchange, const protocol::TangentSet& tangents,
+                              const Eigen::VectorXd& change) const;
+  // Those of the exchange; the impulse that a body passes to its liquid counts as damping.
+  protocol::TangentSet with_responses(const Exchange& exchange) const;
 
   Solvers solvers_;
   scene::Coupling how_;
   PathSpace space_;
+  const scene::Scene& scene_;
+  std::vector<scene::Freedom> freedoms_;
 };
 
 }  // namespace tandem::launch

@@ -72,12 +72,18 @@ bool any_linearises(const Solvers& solvers) {
       solvers.loads, [](const protocol::Remote* solver) { return solver->can(protocol::can_linearise); });
 }
 
+std::vector<protocol::BodyResponse> responses_of(const Solvers& solvers) {
+  for (protocol::Remote* solver : solvers.loads)
+    if (solver->can(protocol::can_respond)) return solver->linearise().responses;
+  return {};
+}
+
 protocol::TangentSet linearise_loads(const Solvers& solvers) {
   protocol::TangentSet sum;
   for (protocol::Remote* solver : solvers.loads) {
     if (!solver->can(protocol::can_linearise)) continue;
     const protocol::TangentSet& part = solver->linearise();
-    if (sum.bodies.empty()) {
+    if (sum.bodies.empty() && sum.responses.empty()) {
       sum = part;
       continue;
     }
@@ -92,6 +98,8 @@ protocol::TangentSet linearise_loads(const Solvers& solvers) {
         same->damping[i] += tangent.damping[i];
       }
     }
+    // One solver at most has a liquid.
+    sum.responses.insert(sum.responses.end(), part.responses.begin(), part.responses.end());
   }
   return sum;
 }

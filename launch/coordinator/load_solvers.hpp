@@ -28,6 +28,8 @@ void save_loads(const Solvers& solvers);
 void restore_loads(const Solvers& solvers);
 // The sum of the tangents of all load solvers that have some.
 bool any_linearises(const Solvers& solvers);
+// Of the first one that has any, also before the first window.
+std::vector<protocol::BodyResponse> responses_of(const Solvers& solvers);
 protocol::TangentSet linearise_loads(const Solvers& solvers);
 
 // The loads of several solvers over one window, which all of them have. Bodies in ascending order, the values

@@ -156,6 +156,8 @@ std::string in_words(protocol::Capability capability) {
       return "the contacts of the spheres in frames";
     case protocol::can_snapshot:
       return "frames that are prepared during the next window (snapshot)";
+    case protocol::can_respond:
+      return "responses to changes of velocity (added mass)";
     case protocol::can_observe_liquid:
       return "pressure and density of the liquid in frames";
     case protocol::can_observe_walls:

@@ -2,36 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "launch/coordinator/body_modes.hpp"
 #include "launch/coordinator/schemes.hpp"
 #include "launch/coordinator/window_map.hpp"
 
 namespace tandem::launch {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
 // Below this value a window is uncritical: the contacts on the body are soft.
 constexpr double negligible_omega_H = 1e-3;
 // Growth per window that is invisible in a run of some thousand windows.
 constexpr double negligible_growth = 1e-5;
-
-Matrix6 mass_matrix(const scene::Body& body, const Pose& pose) {
-  const Mat3d R = pose.q_WB.matrix();
-  Eigen::Matrix3d turn, inertia;
-  for (int i = 0; i < 3; ++i) turn.row(i) << R.row[i].x, R.row[i].y, R.row[i].z;
-  const auto& I = body.inertia;  // xx yy zz xy xz yz
-  inertia << I[0], I[3], I[4], I[3], I[1], I[5], I[4], I[5], I[2];
-  Matrix6 M = Matrix6::Zero();
-  M.topLeftCorner<3, 3>() = body.mass * Eigen::Matrix3d::Identity();
-  M.bottomRightCorner<3, 3>() = turn * inertia * turn.transpose();
-  return M;
-}
 
 // Whether a vibration is nearer to the limit of stability, or further beyond it. All stable vibrations grow
 // alike: of these the fastest is worse.
@@ -44,56 +29,25 @@ bool is_worse(const Vibration& a, const Vibration& b) {
 }  // namespace
 
 StabilityWatch::StabilityWatch(const scene::Scene& scene) : scene_(scene) {
-  if (!scene.mbd) return;
-  freedoms_.resize(scene.mbd->bodies.size());
-  fixed_.resize(scene.mbd->bodies.size());
-  for (const scene::Joint& joint : scene.mbd->joints) {
-    if (joint.parent != ground || joint.child == ground) continue;
-    const std::size_t body = joint.child.value;
-    if (joint.type == scene::JointType::fixed || joint.motion) fixed_[body] = true;
-    const Vec3d arm = scene.mbd->bodies[body].pose.p_WB - joint.position, n = joint.axis;
-    const Vec3d v = joint.type == scene::JointType::revolute ? cross(n, arm) : n;
-    const Vec3d w = joint.type == scene::JointType::revolute ? n : Vec3d{};
-    if (joint.type == scene::JointType::revolute || joint.type == scene::JointType::prismatic)
-      freedoms_[body].push_back({v.x, v.y, v.z, w.x, w.y, w.z});
-  }
+  if (scene.mbd) freedoms_ = scene::freedoms_of(*scene.mbd);
 }
 
 std::vector<StabilityWatch::Mode> StabilityWatch::modes(const protocol::BodyTangent& tangent,
                                                         const protocol::BodyTangent* support,
                                                         const Pose& pose) const {
-  if (fixed_[tangent.body]) return {};
-  const scene::Body& body = scene_.mbd->bodies[tangent.body];
-  const auto& freedoms = freedoms_[tangent.body];
-  Eigen::MatrixXd J = Matrix6::Identity();
-  if (freedoms.size() == 1) {
-    // Motion in the initial pose; a joint on the ground rotates it with the body.
-    const Quat turn = pose.q_WB * body.pose.q_WB.conjugate();
-    const auto& f = freedoms[0];
-    const Vec3d v = turn.rotate({f[0], f[1], f[2]}), w{f[3], f[4], f[5]};
-    J.resize(6, 1);
-    J << v.x, v.y, v.z, w.x, w.y, w.z;
-  }
-  const Matrix6 K = Eigen::Map<const Matrix6>(tangent.stiffness.data());
-  const Eigen::MatrixXd k = J.transpose() * (0.5 * (K + K.transpose())) * J;
-  const Eigen::MatrixXd d = J.transpose() * Eigen::Map<const Matrix6>(tangent.damping.data()) * J;
-  const Eigen::MatrixXd m = J.transpose() * mass_matrix(body, pose) * J;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(k, m);
-  if (solver.info() != Eigen::Success) return {};
   std::vector<Mode> result;
-  for (Eigen::Index i = 0; i < m.rows(); ++i) {
-    if (!(solver.eigenvalues()[i] > 0)) continue;
-    const Eigen::VectorXd shape = solver.eigenvectors().col(i);  // of unit modal mass
-    const double omega = std::sqrt(solver.eigenvalues()[i]);
+  for (const BodyMode& found :
+       modes_of(tangent.stiffness, scene_.mbd->bodies[tangent.body], freedoms_[tangent.body], pose)) {
+    if (!(found.value > 0)) continue;
+    const auto along = [&found](const std::array<double, 36>& matrix) {
+      return std::max(0.0, found.shape.dot(Eigen::Map<const Matrix6>(matrix.data()) * found.shape));
+    };
+    const double omega = std::sqrt(found.value);
     Mode& mode = result.emplace_back();
     mode.omega = omega;
-    mode.zeta = std::max(0.0, shape.dot(d * shape) / (2 * omega));
-    if (!support) continue;
-    const Vector6 motion = J * shape;
-    const auto along = [&motion](const std::array<double, 36>& matrix) {
-      return std::max(0.0, motion.dot(Eigen::Map<const Matrix6>(matrix.data()) * motion));
-    };
-    mode.support = {along(support->stiffness) / (omega * omega), along(support->damping) / omega};
+    mode.zeta = along(tangent.damping) / (2 * omega);
+    if (support)
+      mode.support = {along(support->stiffness) / (omega * omega), along(support->damping) / omega};
   }
   return result;
 }

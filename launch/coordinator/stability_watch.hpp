@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/model.hpp"
+#include "common/scene/freedoms.hpp"
 #include "launch/coordinator/archive.hpp"
 #include "launch/coordinator/window_map.hpp"
 #include "protocol/messages.hpp"
@@ -65,9 +65,7 @@ class StabilityWatch {
     double omega = 0, zeta = 0;  // [rad/s] [-]
     Support support;
   };
-  // Free motions of a body: velocity and angular velocity (6 x freedoms); no entry: it cannot move.
-  std::vector<std::vector<std::array<double, 6>>> freedoms_;  // (bodies); empty list: all six
-  std::vector<bool> fixed_;                                   // (bodies)
+  std::vector<scene::Freedom> freedoms_;  // (bodies)
   std::vector<Mode> modes(const protocol::BodyTangent& tangent, const protocol::BodyTangent* support,
                           const Pose& pose) const;
   StabilityRemedy remedy(const Vibration& vibration, double H) const;

@@ -38,6 +38,13 @@ void Summary::set_interface(const Coupler& coupler) {
         if (!stable.scheme.empty()) body["stable_scheme"] = stable.scheme;
       }
     }
+    const auto liquid = coupler.liquid_watch().bodies().find(index);
+    if (liquid != coupler.liquid_watch().bodies().end()) {
+      body["added_mass_ratio"] = liquid->second.added;
+      body["passed_to_liquid"] = liquid->second.passed;
+      body["liquid_growth_per_window"] = liquid->second.growth;
+      body["windows_beyond_liquid"] = liquid->second.windows_beyond;
+    }
     const auto momentum = coupler.body_momentum().sums().find(index);
     if (momentum != coupler.body_momentum().sums().end()) {
       body["momentum_residual"] = momentum->second.linear();

@@ -24,6 +24,8 @@ class WindowControl {
   explicit WindowControl(const scene::Coupling& coupling);
 
   bool adaptive() const { return adaptive_.has_value(); }
+  // Whether adaptive windows may be as short as `stable` [s].
+  bool may_follow(double stable) const { return adaptive_ && stable >= adaptive_->min_window; }
   // The end of the window that begins now, no later than `limit`.
   Nanoseconds end(Nanoseconds now, Nanoseconds limit) const;
   // Whether a window with this error is accepted; sets the length of the next window, or of the repetition.

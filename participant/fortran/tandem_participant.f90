@@ -24,7 +24,8 @@ module tandem_participant
   integer(c_int64_t), parameter :: tandem_can_predict = 1, tandem_can_rollback = 2, tandem_can_interpolate = 4
   integer(c_int64_t), parameter :: tandem_can_window_mean = 8, tandem_can_linearise = 16, tandem_can_extrapolate = 32
   integer(c_int64_t), parameter :: tandem_can_control = 64, tandem_can_checkpoint = 128
-  integer(c_int64_t), parameter :: tandem_can_observe_elements = 256, tandem_can_observe_liquid = 8192
+  integer(c_int64_t), parameter :: tandem_can_observe_elements = 256, tandem_can_observe_liquid = 8192, &
+    tandem_can_respond = 16384
 
   ! ---- messages
 
@@ -57,6 +58,11 @@ module tandem_participant
   type, bind(C) :: tandem_body_tangent
     integer(i32) :: body, reserved
     real(dp) :: stiffness(6, 6), damping(6, 6)  ! transposed: C has rows first
+  end type
+  type, bind(C) :: tandem_body_response
+    integer(i32) :: body, reserved
+    real(dp) :: time
+    real(dp) :: impulse(6, 6)  ! transposed: C has rows first
   end type
   type, bind(C) :: tandem_particle_account
     integer(i64) :: micro_steps
@@ -93,6 +99,8 @@ module tandem_participant
     integer(i64) :: time
     integer(sz) :: count
     type(c_ptr) :: bodies
+    integer(sz) :: response_count
+    type(c_ptr) :: responses  ! by c_loc of an array of the solver
   end type
   type, bind(C) :: tandem_bodies_frame
     integer(i64) :: time

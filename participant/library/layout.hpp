@@ -26,6 +26,8 @@ SAME_FIELD(tandem_body_load, first_moment, protocol::BodyLoad, first_moment);
 SAME_FIELD(tandem_body_load, work, protocol::BodyLoad, work);
 SAME(tandem_body_tangent, protocol::BodyTangent);
 SAME_FIELD(tandem_body_tangent, damping, protocol::BodyTangent, damping);
+SAME(tandem_body_response, protocol::BodyResponse);
+SAME_FIELD(tandem_body_response, impulse, protocol::BodyResponse, impulse);
 SAME(tandem_particle_account, protocol::ParticleAccount);
 SAME_FIELD(tandem_particle_account, lost_momentum, protocol::ParticleAccount, lost_momentum);
 SAME_FIELD(tandem_particle_account, lost_particles, protocol::ParticleAccount, lost_particles);
@@ -44,7 +46,8 @@ static_assert(TANDEM_CAN_PREDICT == protocol::can_predict && TANDEM_CAN_ROLLBACK
               TANDEM_CAN_CONTROL == protocol::can_control &&
               TANDEM_CAN_CHECKPOINT == protocol::can_checkpoint &&
               TANDEM_CAN_OBSERVE_ELEMENTS == protocol::can_observe_elements &&
-              TANDEM_CAN_OBSERVE_LIQUID == protocol::can_observe_liquid);
+              TANDEM_CAN_OBSERVE_LIQUID == protocol::can_observe_liquid &&
+              TANDEM_CAN_RESPOND == protocol::can_respond);
 
 inline tandem_window view(const Window& window) {
   return {window.index, window.begin.count, window.end.count};

@@ -13,10 +13,12 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
   LoadAdapter(const tandem_load_solver& table, void* self, std::string program, protocol::Role role)
       : AdapterBase(table, self, std::move(program), role) {
     expect_common(table_, TANDEM_CAN_ROLLBACK | TANDEM_CAN_INTERPOLATE | TANDEM_CAN_WINDOW_MEAN |
-                              TANDEM_CAN_LINEARISE | TANDEM_CAN_CHECKPOINT |
+                              TANDEM_CAN_LINEARISE | TANDEM_CAN_RESPOND | TANDEM_CAN_CHECKPOINT |
                               (of_liquid() ? TANDEM_CAN_OBSERVE_LIQUID : 0));
     expect_function(!(table_.capabilities & TANDEM_CAN_LINEARISE) || table_.linearise, "linearise",
                     "TANDEM_CAN_LINEARISE promises");
+    expect_function(!responds() || (table_.capabilities & TANDEM_CAN_LINEARISE), "TANDEM_CAN_LINEARISE",
+                    "TANDEM_CAN_RESPOND needs");
   }
 
   protocol::Role role() const override { return role_; }
@@ -61,8 +63,13 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
     tangents_.time = now_;
     tangents_.bodies = blank_tangents_;
     tandem_tangent_set set{now_.count, tangents_.bodies.size(),
-                           reinterpret_cast<tandem_body_tangent*>(tangents_.bodies.data())};
+                           reinterpret_cast<tandem_body_tangent*>(tangents_.bodies.data()), 0, nullptr};
     expect_ok(table_.linearise(self_, &set), "linearise");
+    if (!responds() && set.responses)
+      throw Error(ErrorCode::internal, "is given: `capabilities` has no TANDEM_CAN_RESPOND",
+                  "linearise: responses", "leave it out");
+    const auto* responses = reinterpret_cast<const protocol::BodyResponse*>(set.responses);
+    tangents_.responses.assign(responses, responses + (responses ? set.response_count : 0));
     return tangents_;
   }
 
@@ -87,6 +94,7 @@ class LoadAdapter final : public AdapterBase<protocol::LoadSolver, tandem_load_s
 
  private:
   bool of_liquid() const { return role_ == protocol::Role::sph; }
+  bool responds() const { return table_.capabilities & TANDEM_CAN_RESPOND; }
 
   static void expect_absent(bool given, const char* arrays, const char* why) {
     if (given)

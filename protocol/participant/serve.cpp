@@ -179,7 +179,10 @@ class Server {
     const TangentSet& tangents = solver_.linearise();
     link_.vouch(Kind::tangents, [&] {
       link_.progress().expect_now(tangents.time);
-      bodies_.expect_some(tangents.bodies);
+      if (bodies_.known()) {  // else before the first window
+        bodies_.expect_some(tangents.bodies);
+        bodies_.expect_some(tangents.responses);
+      }
       check_values(tangents);
     });
     answer(Kind::tangents, tangents);

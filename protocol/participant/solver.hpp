@@ -27,6 +27,7 @@ class Solver {
   virtual Report report() = 0;
   // can_linearise: stiffness and damping of the contacts of each boundary body at the end of the last window:
   // with particles on the particle side, with other bodies and the ground on the multibody side.
+  // can_respond: also the responses to changes of the velocity, and before the first window too.
   virtual const TangentSet& linearise() { throw Error(ErrorCode::protocol, "cannot linearise"); }
 };
 

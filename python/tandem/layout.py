@@ -20,6 +20,7 @@ BODY_MOTION = np.dtype([
 BODY_LOAD = np.dtype([
     ("body", "u4"), ("reserved", "u4"), ("mean", WRENCH), ("first_moment", WRENCH), ("end", WRENCH), ("work", "f8")])
 BODY_TANGENT = np.dtype([("body", "u4"), ("reserved", "u4"), ("stiffness", "f8", (6, 6)), ("damping", "f8", (6, 6))])
+BODY_RESPONSE = np.dtype([("body", "u4"), ("reserved", "u4"), ("time", "f8"), ("impulse", "f8", (6, 6))])
 PARTICLE_ACCOUNT = np.dtype([
     ("micro_steps", "u8"), ("micro_step", "f8"), ("momentum_begin", *VECTOR), ("momentum_end", *VECTOR),
     ("gravity_impulse", *VECTOR), ("lost_momentum", *VECTOR), ("kinetic_energy", "f8"),
@@ -70,7 +71,8 @@ class LoadSet(ctypes.Structure):
 
 
 class TangentSet(ctypes.Structure):
-    _fields_ = [("time", c_int64), ("count", c_size_t), ("bodies", c_void_p)]
+    _fields_ = [("time", c_int64), ("count", c_size_t), ("bodies", c_void_p), ("response_count", c_size_t),
+                ("responses", c_void_p)]
 
 
 class BodiesFrame(ctypes.Structure):
@@ -136,7 +138,8 @@ class LoadTable(ctypes.Structure):
 
 RECORDS = {  # name in C: layout here
     "tandem_pose": POSE, "tandem_twist": TWIST, "tandem_wrench": WRENCH, "tandem_body_motion": BODY_MOTION,
-    "tandem_body_load": BODY_LOAD, "tandem_body_tangent": BODY_TANGENT, "tandem_particle_account": PARTICLE_ACCOUNT,
+    "tandem_body_load": BODY_LOAD, "tandem_body_tangent": BODY_TANGENT,
+    "tandem_body_response": BODY_RESPONSE, "tandem_particle_account": PARTICLE_ACCOUNT,
     "tandem_body_state": BODY_STATE, "tandem_joint_state": JOINT_STATE, "tandem_body": BODY,
     "tandem_material": MATERIAL, "tandem_liquid": LIQUID, "tandem_pair": PAIR, "tandem_wall": WALL, "tandem_window": Window,
     "tandem_motion_set": MotionSet, "tandem_load_set": LoadSet, "tandem_tangent_set": TangentSet,

@@ -96,6 +96,7 @@ class MotionSolver(Solver):
 class LoadSolver(Solver):
     follows_path = False  # the walls follow pose and twist inside the window
     window_mean = False   # `mean` is the time mean over the window, not the end value
+    responds = False      # linearise() gives added mass and radiation damping as well
 
     def configure(self, configuration):
         raise NotImplementedError
@@ -109,7 +110,8 @@ class LoadSolver(Solver):
         raise NotImplementedError
 
     def linearise(self, tangents):
-        """Fills in an array of tandem_body_tangent: stiffness and damping (6 x 6) of the contacts of each body."""
+        """Fills in an array of tandem_body_tangent: stiffness and damping (6 x 6) of the contacts of each body. With `responds`
+        it returns a list of (body, time, impulse 6 x 6), by body and time, and is also called before the first window."""
 
 
 class LiquidSolver(LoadSolver):
@@ -229,7 +231,10 @@ class _LoadCalls(_Calls):
 
     def linearise(self, tangents):
         c = tangents.contents
-        self.solver.linearise(_view(c.bodies, c.count, layout.BODY_TANGENT, True))
+        points = self.solver.linearise(_view(c.bodies, c.count, layout.BODY_TANGENT, True))
+        if self.solver.responds:
+            self.points = np.array([(body, 0, time, impulse) for body, time, impulse in points], layout.BODY_RESPONSE)
+            c.response_count, c.responses = len(self.points), self.points.ctypes.data
 
 
 class _LiquidCalls(_LoadCalls):
@@ -260,6 +265,7 @@ def _table(solver):
         table, calls = layout.LoadTable(), (_LiquidCalls if of_liquid else _LoadCalls)(solver)
         bits = solver._capabilities([(2, ["save", "restore"]), (16, ["linearise"]), (128, ["checkpoint", "resume"])])
         bits |= (4 if solver.follows_path else 0) | (8 if solver.window_mean else 0)
+        bits |= 16384 if solver.responds else 0
         bits |= 8192 if of_liquid and solver.observes_liquid else 0
     else:
         raise TypeError(f"{type(solver).__name__} is neither a MotionSolver nor a LoadSolver or LiquidSolver")

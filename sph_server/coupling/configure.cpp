@@ -18,6 +18,8 @@
 #include "protocol/facts.hpp"
 #include "protocol/frame.hpp"
 #include "sph_server/coupling/load_solver.hpp"
+#include "sph_server/coupling/response.hpp"
+#include "sph_server/equations/time_step.hpp"
 
 namespace tandem::sph {
 
@@ -38,6 +40,62 @@ std::size_t Solver::check_memory(const LiquidStart& start) const {
                 start.setup.backend == particles::Backend::cuda ? "device memory" : "host memory",
                 "give a larger sph.spacing");
   return bytes;
+}
+
+std::uint64_t Solver::steps_of(double window) const {
+  return std::max(least_steps_, static_cast<std::uint64_t>(std::ceil(window / step_at_rest() * (1 - 1e-12))));
+}
+
+double Solver::most_passed(const LiquidStart& start, double window) const {
+  double most = 0;
+  for (const BodyWalls& walls : start.walls) {
+    if (walls.body == ground) continue;
+    const scene::Body& body = scene_.mbd->bodies[walls.body.value];
+    double area = 0, extent2 = 0;
+    for (const auto& t : walls.mesh.triangles) {
+      const auto& v = walls.mesh.vertices;
+      area += 0.5 * norm(cross(v[t[1]] - v[t[0]], v[t[2]] - v[t[0]]));
+    }
+    for (const Vec3d& vertex : walls.mesh.vertices) extent2 = std::max(extent2, norm2(vertex));
+    const double gyration2 = (body.inertia[0] + body.inertia[1] + body.inertia[2]) / (2 * body.mass);
+    most = std::max(most, properties_.density * properties_.sound_speed * area * window / body.mass *
+                              std::max(1.0, extent2 / gyration2));
+  }
+  return most;
+}
+
+// Where the load answers within a window matters only for bodies that pass a good part of their momentum to
+// the liquid in it.
+void Solver::measure_responses(const LiquidStart& start, const LiquidState& liquid) {
+  constexpr double negligible = 0.05;
+  constexpr double enough_steps = 6;  // of a window, for the impulse of its path to act in it
+  constexpr double fewest = 12, most = 64;
+  if (!scene_.mbd) return;
+  const scene::Coupling& how = scene_.coupling;
+  const double window = how.adaptive ? how.adaptive->max_window : how.window;
+  if (most_passed(start, window) < negligible) return;
+  if (how.scheme == scene::Scheme::implicit) least_steps_ = static_cast<std::uint64_t>(enough_steps);
+  const StepFigures figures = engine_->figures();
+  const double stable =
+      0.95 * step_limits(properties_, figures.largest_speed, figures.largest_acceleration).smallest;
+  const double steps = std::ceil(window / std::min(window / static_cast<double>(steps_of(window)), stable)),
+               dt = window / steps;
+  std::vector<BodyId> body_of;
+  for (const particles::BoundaryBody& body : bodies_) body_of.push_back(body.body);
+  responses_ = sph::measure_responses(*engine_, liquid, start.poses, body_of, scene_, properties_.sound_speed,
+                                      dt, static_cast<int>(std::clamp(3 * steps, fewest, most)));
+}
+
+const protocol::TangentSet& Solver::linearise() {
+  tangents_.time = Nanoseconds{memory_.now};
+  tangents_.responses = responses_;
+  for (protocol::BodyResponse& response : tangents_.responses) {
+    const auto wall = std::ranges::find(bodies_, BodyId{response.body}, &particles::BoundaryBody::body);
+    const Mat3d now = engine_->poses()[static_cast<std::size_t>(wall - bodies_.begin())].R,
+                before = particles::pose_at_start(BodyId{response.body}, scene_).R;
+    turn(now, before, response);
+  }
+  return tangents_;
 }
 
 protocol::Configured Solver::configure(const protocol::Configuration& configuration) {
@@ -106,6 +164,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         "leave particles out of frames (\"output\": {\"particles\": false}), or use a larger spacing");
   engine_ = make_liquid_engine(start.setup, sph.precision == scene::LiquidPrecision::mixed);
   engine_->set_state(liquid_now, start.poses);
+  measure_responses(start, liquid_now);
   sensors_ = Sensors(scene_, start.setup, walls);
   seen_ = sensors_.nothing_seen();
   const EnergyBalance energies = engine_->energies();
@@ -127,8 +186,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     left_out.emplace_back("forces between grains and liquid: each is as if the other was not there");
   facts.sound_speed = properties_.sound_speed;
   facts.longest_step = step_at_rest();
-  facts.steps_per_window =
-      static_cast<std::uint64_t>(std::ceil(scene_.coupling.window / step_at_rest() * (1 - 1e-12)));
+  facts.steps_per_window = steps_of(scene_.coupling.window);
   facts.wall_facets.emplace();
   for (const TriangleMesh& mesh : start.setup.walls) *facts.wall_facets += mesh.triangles.size();
   const StartCost cost = engine_->start_cost();

@@ -50,7 +50,7 @@ double Solver::next_step(double left) const {
         "liquid",
         "give a larger sound_speed or artificial_viscosity, or a smaller sph.spacing where bodies or "
         "walls are only a few spacings thick");
-  const double longest = std::min(stable, scene_.sph->micro_step.value_or(stable));
+  const double longest = std::min({stable, scene_.sph->micro_step.value_or(stable), longest_step_});
   return left / std::max(1.0, std::ceil(left / longest * (1 - 1e-12)));
 }
 
@@ -101,8 +101,10 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
         fmt::format("a window of {:.4g} s would have {:.4g} steps of {:.4g} s; at most {:.0f} are done",
                     length, steps, step_at_rest(), most_steps),
         "motion", "send windows no longer than those of the scene");
+  longest_step_ = length / static_cast<double>(least_steps_);
   set_paths(motion);
   if (memory_.micro_steps == 0) start_moving();
+  stop_fast_walls(to_seconds(motion.window.begin));
   watch_walls();
   loads_.window = motion.window;
   loads_.bodies.assign(bodies_loaded_, {});

@@ -22,6 +22,8 @@ class Solver final : public protocol::LoadSolver {
   protocol::Configured configure(const protocol::Configuration& configuration) override;
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
   const protocol::ParticlesFrame& observe() override;
+  // The responses only: contacts, to which stiffness and damping belong, a liquid has none.
+  const protocol::TangentSet& linearise() override;
   void snapshot() override;
   const protocol::ParticlesFrame& read_snapshot() override;
   void save() override;
@@ -31,7 +33,8 @@ class Solver final : public protocol::LoadSolver {
   protocol::Report report() override;
   std::uint64_t capabilities() const override {
     return LoadSolver::capabilities() | protocol::can_checkpoint | protocol::can_snapshot |
-           protocol::can_observe_liquid | protocol::can_measure;
+           protocol::can_observe_liquid | protocol::can_measure | protocol::can_linearise |
+           protocol::can_respond;
   }
 
  private:
@@ -63,7 +66,11 @@ class Solver final : public protocol::LoadSolver {
   // Below this share of the step of the liquid at rest its particles fly apart.
   static constexpr double least_step_share = 0.01;
 
-  double step_at_rest() const;  // [s]
+  double step_at_rest() const;                  // [s]
+  std::uint64_t steps_of(double window) const;  // of the liquid at rest
+  // Bound of the share of its momentum that a body passes to the liquid in a window [-].
+  double most_passed(const LiquidStart& start, double window) const;
+  void measure_responses(const LiquidStart& start, const LiquidState& liquid);
   // The next step that the present state allows, of `left` seconds of a window [s].
   double next_step(double left) const;
   void start_moving();
@@ -71,6 +78,7 @@ class Solver final : public protocol::LoadSolver {
   Vec3d frame_velocity(double at) const;
   void set_paths(const protocol::MotionSet& motion);
   void watch_walls();
+  void stop_fast_walls(double time) const;
   std::string sentence_of_walls() const;
   void take_step(double dt);
   Error explained(const Error& error) const;
@@ -110,6 +118,10 @@ class Solver final : public protocol::LoadSolver {
   std::vector<std::uint32_t> id_, saved_id_;  // of the particles, ascending
   std::uint32_t at_start_ = 0;                // particles
   Memory memory_, saved_;
+  std::uint64_t least_steps_ = 1;  // in a window
+  double longest_step_ = 0;        // for that [s]
+  protocol::TangentSet tangents_;
+  std::vector<protocol::BodyResponse> responses_;  // in the poses of the start
   std::vector<particles::PreparedPath> paths_;
   std::vector<particles::BodyPose> poses_, previous_poses_;  // of bodies_, at the ends of the present step
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;       // in advance [s]

@@ -35,6 +35,27 @@ void Solver::watch_walls() {
     log::warn("{}", sentence_of_walls());
 }
 
+// Of bodies with liquid on them, as the last window left them: a coupling that is unstable makes them fast.
+void Solver::stop_fast_walls(double time) const {
+  const double limit = largest_mach * properties_.sound_speed;
+  const std::vector<Wrench> loads = engine_->loads();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (bodies_[b].body == ground || norm2(loads[b].force) == 0) continue;
+    const double speed = largest_wall_speed(engine_->poses()[b], corners_[b], frame_velocity(0));
+    if (!(speed > limit)) continue;
+    throw Error(
+        ErrorCode::numerics,
+        fmt::format(
+            "at t = {:.6g} s a wall of body '{}', which is in the liquid, has {:.3g} m/s, {:.2g} of the "
+            "speed of sound (limit {:.2g})",
+            time, bodies_[b].name, speed, speed / properties_.sound_speed, largest_mach),
+        "liquid",
+        fmt::format("where it is meant to be so fast, give an expected_speed of {:.3g} m/s; where its "
+                    "velocity alternates, it is light for its liquid: use coupling.scheme = \"implicit\"",
+                    speed));
+  }
+}
+
 std::string Solver::sentence_of_walls() const {
   return fmt::format(
       "a wall of the liquid has up to {:.3g} m/s, {:.2g} of the speed of sound (limit {:.2g}): where the "

@@ -45,7 +45,7 @@ CoupledRun::CoupledRun(protocol::MotionSolver& mbd, protocol::LoadSolver& dem, c
   dem_thread_ = std::move(of_dem.server);
   const protocol::RunIdentity identity{42, 0};
   mbd_ = std::make_unique<protocol::Remote>(std::move(of_mbd.coordinator), protocol::Role::mbd, identity);
-  dem_ = std::make_unique<protocol::Remote>(std::move(of_dem.coordinator), protocol::Role::dem, identity);
+  dem_ = std::make_unique<protocol::Remote>(std::move(of_dem.coordinator), dem.role(), identity);
   try {
     for (protocol::Remote* remote : {mbd_.get(), dem_.get()}) {
       remote->set_patience(30s);

@@ -89,6 +89,17 @@ const protocol::LoadSet& OscillatorBed::advance(const protocol::MotionSet& motio
 
 const protocol::TangentSet& OscillatorBed::linearise() {
   tangents_.time = now_;
+  if (p_.responds) {
+    tangents_.responses.clear();
+    const double relaxation = p_.mass / p_.contact_damping;
+    constexpr int points = 240;
+    for (int k = 1; k <= points; ++k) {
+      protocol::BodyResponse& point = tangents_.responses.emplace_back();
+      point.time = 12 * relaxation * k / points;
+      point.impulse[0] = -p_.mass * std::expm1(-point.time / relaxation);
+    }
+    return tangents_;
+  }
   tangents_.bodies.resize(1);
   tangents_.bodies[0].stiffness[0] = p_.contact_stiffness;
   tangents_.bodies[0].damping[0] = p_.contact_damping;

@@ -14,6 +14,9 @@ struct OscillatorBedParameters {
   double mass = 0;                                    // [kg]; 0: a wall
   double contact_stiffness = 1, contact_damping = 0;  // k, d [N/m] [N s/m]
   double stiffness = 0, damping = 0;                  // c2, d2 to the ground [N/m] [N s/m]
+  // States its response to a step of the velocity of the body: a liquid of this mass that a damper, the
+  // sound, connects with the body. Without stiffness only.
+  bool responds = false;
 };
 
 class OscillatorBed final : public protocol::LoadSolver {
@@ -29,7 +32,10 @@ class OscillatorBed final : public protocol::LoadSolver {
   void save() override { saved_ = {y, w, now_}; }
   void restore() override;
   protocol::Report report() override;
-  std::uint64_t capabilities() const override { return LoadSolver::capabilities() | protocol::can_linearise; }
+  std::uint64_t capabilities() const override {
+    return LoadSolver::capabilities() | protocol::can_linearise |
+           (p_.responds ? std::uint64_t{protocol::can_respond} : 0);
+  }
 
   std::uint64_t advances() const { return advances_; }  // windows integrated, including repeated ones
 

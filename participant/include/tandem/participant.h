@@ -104,6 +104,15 @@ typedef struct tandem_body_tangent { /* dF = -stiffness dx - damping dv, dx = (d
   double damping[36];
 } tandem_body_tangent;
 
+/* A liquid resists a step of the body's velocity by dv: until `time` after it the impulse -impulse dv. For a flat wall this
+ * begins as density * speed of sound * area * time, and ends as the added mass; at a time of 0 without sound. */
+typedef struct tandem_body_response {
+  uint32_t body;      /* index in the scene */
+  uint32_t reserved;  /* 0 */
+  double time;        /* [s] */
+  double impulse[36]; /* rows: force, torque */
+} tandem_body_response;
+
 typedef struct tandem_particle_account { /* balance of the particles over one window */
   uint64_t micro_steps;                  /* in this window, at least 1 */
   double micro_step;                     /* H / micro_steps [s] */
@@ -151,6 +160,8 @@ typedef struct tandem_tangent_set {
   int64_t time; /* [ns] */
   size_t count;
   tandem_body_tangent *bodies;
+  size_t response_count; /* with TANDEM_CAN_RESPOND: points of responses by body and time, an array of the solver */
+  const tandem_body_response *responses;
 } tandem_tangent_set;
 
 typedef struct tandem_bodies_frame { /* for the results */
@@ -317,6 +328,7 @@ TANDEM_API void tandem_warn(tandem_facts *facts, const char *sentence);
 #define TANDEM_CAN_CHECKPOINT (1u << 7)  /* checkpoint() and resume() */
 #define TANDEM_CAN_OBSERVE_ELEMENTS (1u << 8) /* motion: observe() fills in `elements` */
 #define TANDEM_CAN_OBSERVE_LIQUID (1u << 13) /* liquid: observe() gives `pressure` and `density` */
+#define TANDEM_CAN_RESPOND (1u << 14) /* load: linearise() fills in `responses`, also before the first window */
 
 /* ---- the two tables. `self` is the pointer given to the main function. Functions that belong to a capability
  * which the table does not state may be NULL; all others must be given. */

@@ -58,10 +58,9 @@ class Liquid(Case):
             self.run_scene(self.scene(checks=[]), "--end-time", "0.05", "--transport", transport, *more)
             hashes[transport] = self.summary()["state_hash"]
         self.assertEqual(len(set(hashes.values())), 1, hashes)
-        self.run_scene(self.scene(checks=[]), "--end-time", "0.05", "--scheme", "implicit")
-        self.assertEqual(self.summary()["status"], "ok")
-        said = self.run_scene(self.scene(checks=[]), "--end-time", "0.05", "--scheme", "linear_implicit", expect=2)
-        self.assertIn("which sph_server", said)
+        for scheme in ("implicit", "linear_implicit"):
+            self.run_scene(self.scene(checks=[]), "--end-time", "0.05", "--scheme", scheme)
+            self.assertEqual(self.summary()["status"], "ok", scheme)
 
     def test_a_restart_has_the_same_bits(self):
         scene = self.scene(checks=[])

@@ -43,6 +43,22 @@ LoadSet loads(std::initializer_list<std::uint32_t> bodies) {
   return set;
 }
 
+TEST(Responses, AreInTheOrderOfBodiesAndTimes) {
+  TangentSet set;
+  set.responses = {{.body = 1, .time = 0}, {.body = 1, .time = 2}, {.body = 2, .time = 1}};
+  check_values(set);
+  expect_violation(Violation::wrong_time, "body 1: the response after 2 s is not in the order", [&] {
+    TangentSet bad = set;
+    bad.responses[0].time = 2;
+    check_values(bad);
+  });
+  expect_violation(Violation::not_positive, "time is -1 s, below 0", [&] {
+    TangentSet bad = set;
+    bad.responses[0].time = -1;
+    check_values(bad);
+  });
+}
+
 TEST(Values, GoodOnesPass) {
   check_values(motions({0, 5}));
   check_values(loads({0, ground.value}));
@@ -241,6 +257,9 @@ TEST(Boundary, EachBodyOnceAndNoOther) {
   bodies.expect_all(motions({2, 4}).bodies);
   bodies.expect_some(loads({4, ground.value}).bodies);
   bodies.expect_some(std::vector<BodyLoad>{});
+  bodies.expect_some(std::vector<BodyResponse>{{.body = 2, .time = 1}, {.body = 2, .time = 2}, {.body = 4}});
+  expect_violation(Violation::unknown_body, "body 3 is not one of the 2",
+                   [&] { bodies.expect_some(std::vector<BodyResponse>{{.body = 3}}); });
   std::vector<BodyTangent> tangents(2);
   tangents[0].body = tangents[1].body = 4;
   expect_violation(Violation::repeated_body, "body 4 appears twice", [&] { bodies.expect_some(tangents); });

@@ -187,6 +187,23 @@ TEST(CodecValues, AFrameMayHaveElements) {
   EXPECT_TRUE(got.contacts.empty());
 }
 
+// Responses are at the end: one of 1.4 sends none.
+TEST(CodecValues, TangentsMayHaveResponses) {
+  TangentSet sent{Nanoseconds{5}, {{.body = 2}}};
+  Bytes without, bytes;
+  encode(without, sent);
+  EXPECT_EQ(without.size(), 16 + sizeof(BodyTangent));
+  sent.responses = {{.body = 2, .time = 0.5, .impulse = {3}}};
+  encode(bytes, sent);
+  TangentSet got;
+  decode(bytes, got);
+  ASSERT_EQ(got.responses.size(), 1u);
+  EXPECT_EQ(got.responses[0].time, 0.5);
+  EXPECT_EQ(got.responses[0].impulse[0], 3);
+  decode(without, got);
+  EXPECT_TRUE(got.responses.empty());
+}
+
 TEST(CodecValues, ArriveInTheirFields) {
   Bytes bytes;
   encode(bytes, hello());

@@ -39,6 +39,12 @@ TEST(Registration, TheSameMinorAndTheOneBeforeAreServed) {
   EXPECT_EQ(admitted(hello(0x33), {1, 3}), (Version{1, 3}));
 }
 
+// A participant that was built with the last release.
+TEST(Registration, OneOf1_4IsServed) {
+  EXPECT_EQ(admit(hello(0x82142f4fa4d5c467), {1, 4}, Role::mbd, can_predict, "mbd_server (pid 7)"),
+            (Version{1, 4}));
+}
+
 TEST(Registration, OtherVersionsAreRefusedWithBothValues) {
   expect_refused(Violation::wrong_version,
                  AllOf(HasSubstr("version is 1.2"), HasSubstr("speaks 1.4 and 1.3"),
@@ -79,7 +85,7 @@ TEST(Registration, RoleAndCapabilitiesAreThoseOfTheRun) {
 TEST(Registration, ThisReleaseServesItself) {
   Hello h = hello(layout_hash);
   EXPECT_EQ(admit(h, protocol_version, Role::mbd, 0, "peer"), protocol_version);
-  EXPECT_EQ(std::size(dialects), 2u) << "the one before is served";
+  EXPECT_EQ(std::size(dialects), 3u) << "the two before are served";
 }
 
 }  // namespace

@@ -264,7 +264,7 @@ TEST_F(Replayed, WhatCannotBeReplayedIsRefused) {
   record(3);
   overwrite(file, 8, 12345, 8);
   EXPECT_THAT(refusal(Role::mbd),
-              HasSubstr("another layout of the protocol than those of versions 1.4 and 1.3"));
+              HasSubstr("another layout of the protocol than those of versions 1.5, 1.4 and 1.3"));
   record(3);
   overwrite(file, 7, '3', 1);
   EXPECT_THAT(refusal(Role::mbd), HasSubstr("is no recording"));

@@ -387,7 +387,7 @@ TEST(SessionFrames, AParticipantRefusesAFrameThatIsNotTheNextOfThisRun) {
                               {"generation is 9, expected 1", generation},
                               {"the header's window is 1, expected 0", later},
                               {"the header's iteration is 1, expected 0", again},
-                              {"minor version is 5, expected 4", minor}};
+                              {"minor version is 6, expected 5", minor}};
   for (const Lie& lie : lies) {
     Served served(Role::dem, SessionState::ready);
     served.peer.send(Kind::save, {}, lie.header);
@@ -428,11 +428,11 @@ TEST(SessionFrames, AForeignMinorVersionIsRefusedAndTold) {
   Remote remote(std::move(coordinator), Role::mbd, identity);
   RawPeer peer(std::move(participant), Role::mbd);
   FrameHeader header;
-  header.version.minor = 5;
+  header.version.minor = 6;
   peer.send(Kind::hello, payload(Kind::hello, Role::mbd), header);
   EXPECT_THROW(remote.register_peer(0, 5s), ProtocolError);
   EXPECT_EQ(peer.receive(), Kind::refuse);
-  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.5, the coordinator speaks 1.4 and 1.3"));
+  EXPECT_THAT(peer.failure(), HasSubstr("version is 1.6, the coordinator speaks 1.5, 1.4 and 1.3"));
 }
 
 }  // namespace
