@@ -71,8 +71,10 @@ void movie(const std::filesystem::path& folder, const std::filesystem::path& sce
     throw Error(ErrorCode::usage, "the scene of this run is not at '" + file.string() + "' any more",
                 folder.string(), "tell where it is: --scene FILE");
   Overrides overrides;
-  for (const auto& [name, parameter] : run.summary.value("parameters", nlohmann::json::object()).items())
-    overrides.set[name] = parameter.at("value").get<double>();
+  const auto parameters = run.summary.find("parameters");
+  if (parameters != run.summary.end())
+    for (const auto& [name, parameter] : parameters->items())
+      overrides.set[name] = parameter.at("value").get<double>();
   // The frames have the spheres: none are placed here.
   const SceneFile drawn = read_scene(file, overrides, std::nullopt);
   const std::string name = run.summary.value("scene", "");

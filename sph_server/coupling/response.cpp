@@ -24,9 +24,9 @@ Mat3d product(const Mat3d& a, const Mat3d& b) {
 }
 
 // The loads on `body` of each step, where it starts to move faster by `faster` along `direction`.
-class Probe {
+class Push {
  public:
-  Probe(LiquidEngine& engine, const LiquidState& start, const std::vector<particles::BodyPose>& poses,
+  Push(LiquidEngine& engine, const LiquidState& start, const std::vector<particles::BodyPose>& poses,
         const std::vector<BodyId>& body_of, double dt, int steps)
       : engine_(engine), start_(start), poses_(poses), body_of_(body_of), dt_(dt), steps_(steps) {}
 
@@ -78,7 +78,7 @@ double gyration_of(const scene::Body& body) {
 }
 
 // The impulse that resists after each step, by rows.
-std::vector<std::array<double, 36>> step_response(const Probe& probe, BodyId body,
+std::vector<std::array<double, 36>> step_response(const Push& probe, BodyId body,
                                                   const std::vector<Direction>& directions, double speed,
                                                   double gyration) {
   const std::vector<Vector6> base = probe.impulses(body, {}, 0);
@@ -114,7 +114,7 @@ std::vector<protocol::BodyResponse> measure_responses(LiquidEngine& engine, cons
   for (const BodyId body : body_of)
     if (body != ground && std::ranges::find(bodies, body) == bodies.end()) bodies.push_back(body);
   std::ranges::sort(bodies, {}, &BodyId::value);
-  const Probe probe(engine, start, poses, body_of, dt, steps);
+  const Push probe(engine, start, poses, body_of, dt, steps);
   const double speed = share_of_sound * sound_speed;
   for (const BodyId body : bodies) {
     const std::vector<Direction> directions = directions_of(freedoms[body.value]);

@@ -553,7 +553,7 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(facets_.total, see_);
     rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
-    const bool many_facets = facets_.total > 5 * beside_walls_;
+    const bool many_facets = facets_.total > 4 * beside_walls_;
     const bool several = walls_.bodies() > 1;  // whose edges may meet
     const Tally sum =
         exec_.template reduce<Tally>(body_sums_, SumOver{beside_walls_, wall_sums_, many_facets},
