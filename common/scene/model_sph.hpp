@@ -98,8 +98,8 @@ struct Sph {
   // Particles that leave it are taken out. Not given: all space, until the coordinator knows the walls.
   Box domain{{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
   bool domain_is_given = false;
-  std::optional<BodyId> follows;     // the domain is translated with this body, and the outlets with it
-  std::vector<LiquidPair> pairs;     // each body at most once
+  std::optional<BodyId> follows;  // the domain is translated with this body, and the outlets with it
+  std::vector<LiquidPair> pairs;  // each body at most once
   std::vector<LiquidSensor> sensors;
   std::vector<LiquidInlet> inlets;
   std::vector<Outlet> outlets;

@@ -12,7 +12,7 @@ namespace tandem::launch {
 // Values that replace those of the scene file, for this run only.
 struct Overrides {
   std::map<std::string, double> set;  // values of the scene's parameters, in their units
-  std::optional<double> end_time;  // [s]
+  std::optional<double> end_time;     // [s]
   std::optional<std::string> scheme;
   std::optional<double> window;  // [s]
   bool equilibrium = false;      // start of the machine

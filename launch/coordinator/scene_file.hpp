@@ -49,7 +49,7 @@ struct SceneFile {
   // JSON including the overrides, in the plain form (common/scene/plain_text.hpp): the servers get this
   // scene.
   std::string text;
-  std::string given;                  // as written, including the overrides and the values of parameters
+  std::string given;  // as written, including the overrides and the values of parameters
   std::vector<scene::Parameter> parameters;
   std::string origin;                 // path of the file, for messages
   scene::Scene scene;                 // parsed and validated

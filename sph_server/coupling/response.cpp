@@ -27,7 +27,7 @@ Mat3d product(const Mat3d& a, const Mat3d& b) {
 class Push {
  public:
   Push(LiquidEngine& engine, const LiquidState& start, const std::vector<particles::BodyPose>& poses,
-        const std::vector<BodyId>& body_of, double dt, int steps)
+       const std::vector<BodyId>& body_of, double dt, int steps)
       : engine_(engine), start_(start), poses_(poses), body_of_(body_of), dt_(dt), steps_(steps) {}
 
   std::vector<Vector6> impulses(BodyId body, const Direction& direction, double faster) const {
