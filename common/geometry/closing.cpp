@@ -57,14 +57,11 @@ TriangleMesh welded(const TriangleMesh& mesh, double tolerance) {
 
 struct Edge {
   std::uint32_t from = 0, to = 0;
+  bool of_flipped = false;  // it belongs to an even number of triangles
 };
 
 // Edges that triangles have more often in one direction than in the other, as often as that.
-struct Boundary {
-  std::vector<Edge> edges;
-  bool of_flipped = true;  // each edge belongs to an even number of triangles
-};
-Boundary boundary_of(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& counts) {
+std::vector<Edge> boundary_of(const TriangleMesh& mesh) {
   struct Use {
     int balance = 0, triangles = 0;
   };
@@ -76,33 +73,13 @@ Boundary boundary_of(const TriangleMesh& mesh, const std::function<bool(Vec3d)>&
       use.balance += a < b ? 1 : -1;
       ++use.triangles;
     }
-  Boundary boundary;
-  for (const auto& [edge, use] : uses) {
-    if (use.balance == 0 || !(counts(mesh.vertices[edge.first]) || counts(mesh.vertices[edge.second])))
-      continue;
-    for (int n = 0; n < std::abs(use.balance); ++n)
-      boundary.edges.push_back(use.balance > 0 ? Edge{edge.first, edge.second}
-                                               : Edge{edge.second, edge.first});
-    boundary.of_flipped = boundary.of_flipped && use.triangles % 2 == 0;
-  }
-  return boundary;
-}
-
-// Of connected edges of the boundary those that enclose the largest area.
-Opening widest(const TriangleMesh& mesh, const Boundary& boundary) {
-  Groups groups(mesh.vertices.size());
-  for (const Edge& e : boundary.edges) groups.join(e.from, e.to);
-  std::map<std::uint32_t, Vec3d> twice_area;
-  for (const Edge& e : boundary.edges) {
-    const std::uint32_t group = groups.of(e.from);
-    const Vec3d origin = mesh.vertices[group];
-    twice_area[group] += cross(mesh.vertices[e.from] - origin, mesh.vertices[e.to] - origin);
-  }
-  Opening opening{-1, boundary.of_flipped, {}};
-  for (const auto& [group, area] : twice_area)
-    if (const double width = std::sqrt(0.5 * norm(area)); width > opening.width)
-      opening = {width, boundary.of_flipped, mesh.vertices[group]};
-  return opening;
+  std::vector<Edge> edges;
+  for (const auto& [edge, use] : uses)
+    for (int n = 0; n < std::abs(use.balance); ++n) {
+      const auto [low, high] = edge;
+      edges.push_back({use.balance > 0 ? low : high, use.balance > 0 ? high : low, use.triangles % 2 == 0});
+    }
+  return edges;
 }
 
 }  // namespace
@@ -110,9 +87,28 @@ Opening widest(const TriangleMesh& mesh, const Boundary& boundary) {
 
 std::optional<Opening> widest_opening(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& counts) {
   const TriangleMesh joined = closing::welded(mesh, 0);
-  const closing::Boundary boundary = closing::boundary_of(joined, counts);
-  if (boundary.edges.empty()) return std::nullopt;
-  return closing::widest(joined, boundary);
+  const std::vector<Vec3d>& v = joined.vertices;
+  const std::vector<closing::Edge> edges = closing::boundary_of(joined);
+  closing::Groups groups(v.size());
+  for (const closing::Edge& e : edges) groups.join(e.from, e.to);
+  struct Rim {
+    Vec3d twice_area;
+    bool counts = false, of_flipped = true;
+  };
+  std::map<std::uint32_t, Rim> rims;  // connected edges
+  for (const closing::Edge& e : edges) {
+    const std::uint32_t group = groups.of(e.from);
+    Rim& rim = rims[group];
+    rim.twice_area += cross(v[e.from] - v[group], v[e.to] - v[group]);
+    rim.counts = rim.counts || counts(v[e.from]) || counts(v[e.to]);
+    rim.of_flipped = rim.of_flipped && e.of_flipped;
+  }
+  std::optional<Opening> widest;
+  for (const auto& [group, rim] : rims) {
+    const double width = std::sqrt(0.5 * norm(rim.twice_area));
+    if (rim.counts && (!widest || width > widest->width)) widest = {width, rim.of_flipped, v[group]};
+  }
+  return widest;
 }
 
 Closing closing_of(const TriangleMesh& mesh, double tolerance, double width) {

@@ -28,8 +28,8 @@ struct Opening {
   bool of_flipped = false;  // it is none: triangles that join wind in different directions
   Vec3d at;                 // one of its corners [m]
 };
-// The widest opening of a mesh, of the edges with a corner for which counts(corner). None where triangles
-// join at all these edges. Corners at one place are one.
+// The widest opening of a mesh, of those with a corner for which counts(corner). None where triangles join at
+// all edges. Corners at one place are one.
 std::optional<Opening> widest_opening(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& counts);
 
 // tolerance: within which corners are the same [m]; width: below which an opening is a slit [m].

@@ -76,6 +76,7 @@ class LiquidEngineOf final : public LiquidEngine {
     upload(host);
     set_quanta(std::max(n, setup_.capacity));
     built_ = false;
+    figures_.rebuilds = figures_.passed_walls = 0;
     keeps_all_ = true;
     rebuild();
     keeps_all_ = false;

@@ -79,6 +79,9 @@ TEST(Closing, DistinguishesSlitsFromOpenings) {
 TEST(Closing, FindsOpeningsWhereTheyCount) {
   const TriangleMesh cup = box_mesh({1, 1, 1}, {"+z"});
   EXPECT_FALSE(widest_opening(cup, [](Vec3d x) { return x.z < 0.4; }));
+  TriangleMesh box = box_mesh({1, 1, 1});
+  box.triangles.erase(box.triangles.begin());
+  EXPECT_TRUE(widest_opening(box, [](Vec3d x) { return x.z < -0.4; }));
   const auto rim = widest_opening(cup, [](Vec3d) { return true; });
   ASSERT_TRUE(rim);
   EXPECT_NEAR(rim->width, 1, 1e-12);
