@@ -150,6 +150,10 @@ Sph parse_sph(const Node& node, const Names& bodies) {
   if (!node.has("domain")) return sph;
   const Node domain = node.at("domain");
   sph.domain_is_given = domain.has("min");
+  if (domain.has("min") != domain.has("max"))
+    domain.fail("one corner is given without the other", "give min and max, or none of them");
+  if (domain.has("periodic") && !domain.has("min"))
+    domain.fail("periodic", "the period follows from min and max, which are not given", "give them");
   domain.read("min", sph.domain.min);
   domain.read("max", sph.domain.max);
   if (domain.has("follows")) sph.follows = BodyId{domain.resolve("follows", bodies, "bodies")};

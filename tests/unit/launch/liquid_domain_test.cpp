@@ -37,7 +37,7 @@ class LiquidDomain : public testing::Test {
   void put_on_body(double height) {
     scene_["mbd"] = nlohmann::json::parse(R"({"bodies": [
       {"name": "tray", "mass": 1, "inertia": [1e-3, 1e-3, 1e-3, 0, 0, 0], "position": [0, 0, 0]}],
-      "joints": [{"name": "free", "type": "free", "child": "tray"}]})");
+      "joints": [{"name": "free", "type": "free", "child": "tray", "position": [0, 0, 0]}]})");
     scene_["mbd"]["bodies"][0]["position"] = {0, 0, height};
     scene_["sph"]["walls"][0]["body"] = "tray";
     scene_["sph"]["liquids"][0]["fill"][0]["level"] = height + 0.07;
@@ -91,7 +91,7 @@ TEST_F(LiquidDomain, IsRefusedWhereNothingEnds) {
 
 TEST_F(LiquidDomain, NeedsBothCornersOrNone) {
   scene_["sph"]["domain"] = {{"min", {0, 0, 0}}};
-  EXPECT_THAT(error_of([&] { read(); }), HasSubstr("max"));
+  EXPECT_THAT(error_of([&] { read(); }), HasSubstr("sph.domain: one corner is given without the other"));
 }
 
 }  // namespace liquid_domain_test
