@@ -85,7 +85,7 @@ std::vector<Edge> boundary_of(const TriangleMesh& mesh) {
 }  // namespace
 }  // namespace closing
 
-std::optional<Opening> widest_opening(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& counts) {
+Openings openings_of(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& counts) {
   const TriangleMesh joined = closing::welded(mesh, 0);
   const std::vector<Vec3d>& v = joined.vertices;
   const std::vector<closing::Edge> edges = closing::boundary_of(joined);
@@ -103,29 +103,34 @@ std::optional<Opening> widest_opening(const TriangleMesh& mesh, const std::funct
     rim.counts = rim.counts || counts(v[e.from]) || counts(v[e.to]);
     rim.of_flipped = rim.of_flipped && e.of_flipped;
   }
-  std::optional<Opening> widest;
+  Openings openings;
   for (const auto& [group, rim] : rims) {
+    if (!rim.counts) continue;
     const double width = std::sqrt(0.5 * norm(rim.twice_area));
-    if (rim.counts && (!widest || width > widest->width)) widest = {width, rim.of_flipped, v[group]};
+    if (rim.of_flipped)
+      openings.flipped = v[group];
+    else if (!openings.widest || width > openings.widest->width)
+      openings.widest = {width, v[group]};
   }
-  return widest;
+  return openings;
 }
 
 Closing closing_of(const TriangleMesh& mesh, double tolerance, double width) {
   Closing result;
   result.mesh = closing::welded(mesh, tolerance);
-  const std::optional<Opening> opening = widest_opening(result.mesh, [](Vec3d) { return true; });
-  if (!opening) {
+  const Openings openings = openings_of(result.mesh, [](Vec3d) { return true; });
+  if (!openings.widest && !openings.flipped) {
     if (why_not_solid(result.mesh).empty()) result.closure = Closure::solid;
     return result;
   }
-  result.width = opening->width;
-  if (opening->of_flipped) {
+  result.width = openings.widest ? openings.widest->width : 0;
+  if (result.width >= width) return result;
+  if (openings.flipped) {
     result.closure = Closure::flipped;
     result.why = "its triangles do not all wind the same way";
   } else if (result.width <= 4 * tolerance) {
     result.closure = Closure::solid;
-  } else if (result.width < width) {
+  } else {
     result.closure = Closure::slit;
     result.why = "it has openings";
   }

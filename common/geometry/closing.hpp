@@ -24,13 +24,15 @@ struct Closing {
 };
 
 struct Opening {
-  double width = 0;         // root of its area [m]
-  bool of_flipped = false;  // it is none: triangles that join wind in different directions
-  Vec3d at;                 // one of its corners [m]
+  double width = 0;  // root of its area [m]
+  Vec3d at;          // one of its corners [m]
 };
-// The widest opening of a mesh, of those with a corner for which counts(corner). None where triangles join at
-// all edges. Corners at one place are one.
-std::optional<Opening> widest_opening(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& counts);
+struct Openings {
+  std::optional<Opening> widest;
+  std::optional<Vec3d> flipped;  // where triangles that join wind in different directions [m]
+};
+// The openings of a mesh with a corner for which counts(corner). Corners at one place are one.
+Openings openings_of(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& counts);
 
 // tolerance: within which corners are the same [m]; width: below which an opening is a slit [m].
 Closing closing_of(const TriangleMesh& mesh, double tolerance, double width);

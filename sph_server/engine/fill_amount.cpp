@@ -116,19 +116,18 @@ TriangleMesh outwards(TriangleMesh mesh, Vec3d up, double high) {
 
 // Refuses a mesh that is open below the level. Corners may be on edges of other triangles.
 void expect_closed(const TriangleMesh& region, Vec3d up, double level) {
-  const std::optional<Opening> opening =
-      widest_opening(region, [&](Vec3d x) { return dot(x, up) < level - 1e-9 * (1 + std::fabs(level)); });
-  if (!opening) return;
-  const std::string where = scene::rounded(opening->at) + " m, below the level";
-  if (opening->of_flipped)
-    refuse("a region whose triangles do not all wind the same way, as at " + where,
-           "let them wind counter-clockwise as seen from outside");
+  const Openings openings =
+      openings_of(region, [&](Vec3d x) { return dot(x, up) < level - 1e-9 * (1 + std::fabs(level)); });
   double size = 0;
   for (const Vec3d& v : region.vertices) size = std::max(size, norm(v - region.vertices.front()));
-  if (opening->width > 1e-6 * size)
-    refuse("a region that is not closed: it has an opening of some " + scene::rounded(opening->width) +
-               " m at " + where,
+  if (const auto& widest = openings.widest; widest && widest->width > 1e-6 * size)
+    refuse("a region that is not closed: it has an opening of some " + scene::rounded(widest->width) +
+               " m at " + scene::rounded(widest->at) + " m, below the level",
            "give a mesh that is closed up to the level, and whose corners join");
+  if (openings.flipped)
+    refuse("a region whose triangles do not all wind the same way, as at " +
+               scene::rounded(*openings.flipped) + " m, below the level",
+           "let them wind counter-clockwise as seen from outside");
 }
 
 }  // namespace

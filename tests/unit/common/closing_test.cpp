@@ -78,14 +78,18 @@ TEST(Closing, DistinguishesSlitsFromOpenings) {
 
 TEST(Closing, FindsOpeningsWhereTheyCount) {
   const TriangleMesh cup = box_mesh({1, 1, 1}, {"+z"});
-  EXPECT_FALSE(widest_opening(cup, [](Vec3d x) { return x.z < 0.4; }));
+  EXPECT_FALSE(openings_of(cup, [](Vec3d x) { return x.z < 0.4; }).widest);
   TriangleMesh box = box_mesh({1, 1, 1});
   box.triangles.erase(box.triangles.begin());
-  EXPECT_TRUE(widest_opening(box, [](Vec3d x) { return x.z < -0.4; }));
-  const auto rim = widest_opening(cup, [](Vec3d) { return true; });
-  ASSERT_TRUE(rim);
-  EXPECT_NEAR(rim->width, 1, 1e-12);
-  EXPECT_FALSE(rim->of_flipped);
+  EXPECT_TRUE(openings_of(box, [](Vec3d x) { return x.z < -0.4; }).widest);
+  const Openings openings = openings_of(cup, [](Vec3d) { return true; });
+  ASSERT_TRUE(openings.widest);
+  EXPECT_NEAR(openings.widest->width, 1, 1e-12);
+  EXPECT_FALSE(openings.flipped);
+  // A sheet is no solid, whichever way its parts wind.
+  TriangleMesh sheet = cup;
+  std::swap(sheet.triangles[2][1], sheet.triangles[2][2]);
+  EXPECT_EQ(closing_of(sheet, tolerance, width).closure, Closure::open);
 }
 
 }  // namespace closing_test
