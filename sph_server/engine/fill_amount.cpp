@@ -120,7 +120,7 @@ void expect_closed(const TriangleMesh& region, Vec3d up, double level) {
       openings_of(region, [&](Vec3d x) { return dot(x, up) < level - 1e-9 * (1 + std::fabs(level)); });
   double size = 0;
   for (const Vec3d& v : region.vertices) size = std::max(size, norm(v - region.vertices.front()));
-  if (const auto& widest = openings.widest; widest && widest->width > 1e-6 * size)
+  if (const auto& widest = openings.widest; widest && widest->width > 1e-4 * size)
     refuse("a region that is not closed: it has an opening of some " + scene::rounded(widest->width) +
                " m at " + scene::rounded(widest->at) + " m, below the level",
            "give a mesh that is closed up to the level, and whose corners join");

@@ -203,7 +203,9 @@ std::vector<FilledInside> insides_of(const scene::Scene& scene, const std::vecto
     const scene::Wall& wall = *std::ranges::find(sph.walls, inside->wall, &scene::Wall::name);
     FilledInside filled;
     filled.fill = k;
-    filled.region = in_world(whole_mesh_of(wall, sph, meshes), wall.body, scene);
+    filled.region = closing_of(in_world(whole_mesh_of(wall, sph, meshes), wall.body, scene),
+                               joined_corners * sph.spacing, passable * sph.spacing)
+                        .mesh;
     if (is_inside_out(filled.region)) turn_over(filled.region);
     const Mat3d body = particles::pose_at_start(wall.body, scene).R, own = wall.pose.q_WB.matrix();
     for (int a = 0; a < 3; ++a) {
