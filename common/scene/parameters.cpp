@@ -54,8 +54,14 @@ class Parameters {
     for (const std::string& name : names_) {
       const std::string unit = this->unit(name);
       const Quantity q = value_of(name);
-      values.push_back(
-          {name, unit == "deg" ? q.value / degree : q.value, unit.empty() && q.angle == 1 ? "rad" : unit});
+      const json& given = given_[name].is_object() ? given_[name]["value"] : given_[name];
+      const auto set = set_.find(name);
+      // A number is said as it was given, without the rounding of degrees.
+      const double value = set != set_.end()   ? set->second
+                           : given.is_number() ? given.get<double>()
+                           : unit == "deg"     ? q.value / degree
+                                               : q.value;
+      values.push_back({name, value, unit.empty() && q.angle == 1 ? "rad" : unit});
     }
     return values;
   }

@@ -49,7 +49,7 @@ TEST(Parameters, AreSetInTheirUnits) {
   const std::vector<Parameter> values = put_in_parameters(text, {{"pitch", 45}}, "hopper.json");
   ASSERT_EQ(values.size(), 3u);
   EXPECT_EQ(values[2].name, "pitch");
-  EXPECT_DOUBLE_EQ(values[2].value, 45);
+  EXPECT_EQ(values[2].value, 45);
   EXPECT_EQ(values[2].unit, "deg");
 }
 
