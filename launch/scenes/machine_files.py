@@ -1,6 +1,7 @@
 """What the programs that write the scenes of liquid machines share: JSON, OBJ files, sheets with round holes."""
 import json
 import math
+import os
 import pathlib
 import sys
 
@@ -96,3 +97,19 @@ def write_or_check(folder, files, check):
             path.write_text(content, encoding="utf-8")
         elif not path.is_file() or path.read_text(encoding="utf-8") != content:
             sys.exit(f"{name} is not what the program of its folder writes: run it")
+
+
+def write_variant(scene, folder, output):
+    """A scene of `folder` into the file `output`, which may be elsewhere: the files of its shapes stay where they are."""
+
+    def refer(value):
+        if isinstance(value, dict):
+            if "file" in value:
+                value["file"] = os.path.relpath(folder / value["file"], output.parent)
+            value = list(value.values())
+        if isinstance(value, list):
+            for inner in value:
+                refer(inner)
+
+    refer(scene)
+    output.write_text(text(scene) + "\n", encoding="utf-8")

@@ -8,12 +8,11 @@ Lengths in m, masses in kg, times in s. The crank turns about x at z = 0, cylind
 import argparse
 import json
 import math
-import os
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from machine_files import Mesh, add_check, number, text, vector, write_or_check
+from machine_files import Mesh, add_check, number, text, vector, write_or_check, write_variant
 
 CASE = (0.39, 0.20)                   # inside along x and y
 BOTTOM, TOP, DECK = -0.13, 0.25, 0.09   # of the case, and the lower end of the cylinders
@@ -153,10 +152,7 @@ def main():
     if given.output:
         output = pathlib.Path(given.output)
         one = scene(output.stem, given.spacing, given.rpm, given.revolutions, given.level, given.spheres)
-        for wall in one["dem" if given.spheres else "sph"]["walls"]:
-            if "file" in wall["shape"]:
-                wall["shape"]["file"] = os.path.relpath(folder / wall["shape"]["file"], output.parent)
-        output.write_text(text(one) + "\n", encoding="utf-8")
+        write_variant(one, folder, output)
         return
     write_or_check(folder, files(), given.check)
 

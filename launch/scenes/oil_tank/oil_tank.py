@@ -7,12 +7,11 @@ spheres. Lengths in m, masses in kg, times in s. x is forward, y left, z up; the
 """
 import argparse
 import math
-import os
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from machine_files import Mesh, add_check, eccentric_ring, number, text, vector, write_or_check
+from machine_files import Mesh, add_check, eccentric_ring, number, text, vector, write_or_check, write_variant
 
 G = 9.81
 SPEED = 60 / 3.6
@@ -340,10 +339,7 @@ def main():
             output.write_text(text(rig(0.1)) + "\n", encoding="utf-8")
             return
         one = scene(output.stem, given.spacing, given.spheres, not given.no_baffles, given.end)
-        for shape in next(b for b in one["mbd"]["bodies"] if b["name"] == "tank")["shapes"]:
-            if "file" in shape["shape"]:
-                shape["shape"]["file"] = os.path.relpath(folder / shape["shape"]["file"], output.parent)
-        output.write_text(text(one) + "\n", encoding="utf-8")
+        write_variant(one, folder, output)
         return
     write_or_check(folder, files(), given.check)
 

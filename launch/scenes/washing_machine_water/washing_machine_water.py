@@ -7,12 +7,11 @@ Lengths in m, masses in kg, times in s. The drum turns about y; its axis is at x
 """
 import argparse
 import math
-import os
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from machine_files import Mesh, add_check, eccentric_ring, number, text, vector, write_or_check
+from machine_files import Mesh, add_check, eccentric_ring, number, text, vector, write_or_check, write_variant
 
 G = 9.81
 AXIS_Z = 0.5
@@ -297,11 +296,7 @@ def main():
     if given.output:
         output = pathlib.Path(given.output)
         one = scene(output.stem, given.spacing, given.spheres, 0.0 if given.dry else WATER, given.end)
-        for body in one["mbd"]["bodies"]:
-            for shape in body["shapes"]:
-                if "file" in shape["shape"]:
-                    shape["shape"]["file"] = os.path.relpath(folder / shape["shape"]["file"], output.parent)
-        output.write_text(text(one) + "\n", encoding="utf-8")
+        write_variant(one, folder, output)
         return
     write_or_check(folder, files(), given.check)
 
