@@ -1,5 +1,5 @@
 // Options of `tandem run` that replace values of a scene. The first line of an input is "END_TIME WINDOW
-// SCHEME", with '-' for none; the rest is the scene.
+// SCHEME NAME VALUE ...", with '-' for none and values of parameters; the rest is the scene.
 #include <cstdlib>
 #include <sstream>
 
@@ -32,8 +32,12 @@ class OverridesTarget : public Target {
     std::istringstream line{std::string(text.substr(0, end))};
     std::string end_time, window, scheme;
     line >> end_time >> window >> scheme;
-    launch::Overrides overrides{override_of(end_time), {}, override_of(window)};
+    launch::Overrides overrides;
+    overrides.end_time = override_of(end_time);
+    overrides.window = override_of(window);
     if (!scheme.empty() && scheme != "-") overrides.scheme = scheme;
+    for (std::string name, value; line >> name >> value;)
+      overrides.set[name] = override_of(value).value_or(0.0);
     put(file_, input.subspan(std::min(end + 1, input.size())));
     const launch::SceneFile scene = launch::read_scene(file_, overrides);
     if (overrides.end_time)
@@ -63,7 +67,11 @@ std::vector<Bytes> overridden_scenes(const std::filesystem::path&) {
   }
   add("0.1 0.02 -", "dead_point");
   add("- - mbd_first", "bouncing");
-  return corpus;
+  std::string fall(shipped_scene("bouncing"));
+  fall.insert(fall.find('{') + 1, R"("parameters": {"turn": {"value": 3, "unit": "deg"}, "size": "=2*sin(turn)"
+},)");
+  corpus.push_back(bytes_of("- - - turn 5\n" + fall));
+return corpus;
 }
 
 }  // namespace overrides_part
