@@ -68,10 +68,10 @@ std::vector<Bytes> overridden_scenes(const std::filesystem::path&) {
   add("0.1 0.02 -", "dead_point");
   add("- - mbd_first", "bouncing");
   std::string fall(shipped_scene("bouncing"));
-  fall.insert(fall.find('{') + 1, R"("parameters": {"turn": {"value": 3, "unit": "deg"}, "size": "=2*sin(turn)"
-},)");
+  fall.insert(fall.find('{') + 1,
+              R"json("parameters": {"turn": {"value": 3, "unit": "deg"}, "size": "=2*sin(turn)"},)json");
   corpus.push_back(bytes_of("- - - turn 5\n" + fall));
-return corpus;
+  return corpus;
 }
 
 }  // namespace overrides_part
