@@ -408,7 +408,7 @@ protocol::Report MbdSolver::report() {
       .degrees_of_freedom = m.degrees_of_freedom(),
       .size = m.model.size,
       .periods_per_step = longest_step_ * m.model.frequency,
-      .spread = spread_of_extrapolation(),
+      .spread = warning_of_extrapolation(),
       .unstable_start = unstable_start_,
       .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
       .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,

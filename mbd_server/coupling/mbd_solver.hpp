@@ -92,7 +92,13 @@ class MbdSolver final : public protocol::MotionSolver {
   double local_error_sum() const;
   double largest_share(const std::vector<double>& errors) const;
   double nominal_steps() const;
-  std::string spread_of_extrapolation();
+  struct Difference {
+    double share = 0;              // of the reach of the coordinate [-]
+    Eigen::Index coordinate = -1;  // none: nothing is extrapolated
+  };
+  Difference spread_of_extrapolation();
+  std::string difference_of_runs();
+  std::string warning_of_extrapolation();
   void record_step(double h);
   void record_contacts();
   void record_jump(double energy);
@@ -107,7 +113,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void cross_break();
   void record_window();
   void record_reactions(const std::vector<JointObservation>& joints);
-  std::string obstacle_to_estimate() const;
+  std::string obstacle_to_estimate();
   ErrorEstimate measure_error();
   RunEnd run_end();
   std::optional<RunEnd> run_again(double end, double steps);

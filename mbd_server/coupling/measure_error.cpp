@@ -21,10 +21,12 @@ constexpr double least_motion = 1e-4, least_share = 0.01;
 }  // namespace
 
 // Returns why the error cannot be measured by simulating the machine alone once more; empty where it can.
-std::string MbdSolver::obstacle_to_estimate() const {
+std::string MbdSolver::obstacle_to_estimate() {
   if (loaded_) return "loads of particles or a controller act";
-  if (control_) return "steps are those of the error control";
-  if (machine_->extrapolation) return "the error of second order is extrapolated";
+  if (control_)
+    return fmt::format("the error control took {} steps with local errors of up to {:g} each", state_.steps,
+                       control_->tolerance());
+  if (machine_->extrapolation) return "the error of second order is extrapolated" + difference_of_runs();
   if (resumed_) return "the run was continued from a file";
   if (machine_->contacts.counters().contacts > 0) return "joints meet their stops";
   if (!machine_->model.contact.empty()) return "bodies touch each other";
@@ -113,21 +115,34 @@ std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
   return run_end();
 }
 
-// A warning where the two runs of an extrapolation differ so much that their errors are not of second order.
-std::string MbdSolver::spread_of_extrapolation() {
-  constexpr double much = 0.3;  // three times an error of a tenth of the way of a coordinate
-  Machine& m = *machine_;
-  if (!m.extrapolation || m.model.freedoms == 0) return {};
+// How far the two runs of an extrapolation are from each other, and where most, as a share of the reach.
+MbdSolver::Difference MbdSolver::spread_of_extrapolation() {
+  if (!machine_->extrapolation || machine_->model.freedoms == 0) return {};
   const Eigen::Index n = state_.q.size();
-  m.system.difference(state_.coarse.head(n), state_.fine.head(n), moved_);
-  Eigen::Index worst = 0;
-  const double share = moved_.cwiseQuotient(reach()).cwiseAbs().maxCoeff(&worst);
-  if (share <= much) return {};
+  machine_->system.difference(state_.coarse.head(n), state_.fine.head(n), moved_);
+  Difference difference;
+  difference.share = moved_.cwiseQuotient(reach()).cwiseAbs().maxCoeff(&difference.coordinate);
+  return difference;
+}
+
+// The error of the extrapolated motion is the smaller, the smaller this difference is.
+std::string MbdSolver::difference_of_runs() {
+  const Difference d = spread_of_extrapolation();
+  if (d.coordinate < 0) return {};
+  return fmt::format(" (its two runs differ by {:.2g} of how far {} moves)", d.share,
+                     machine_->model.coordinate_names[static_cast<std::size_t>(d.coordinate)]);
+}
+
+// A warning where the two runs differ so much that their errors are not of second order.
+std::string MbdSolver::warning_of_extrapolation() {
+  constexpr double much = 0.3;  // three times an error of a tenth of the way of a coordinate
+  const Difference d = spread_of_extrapolation();
+  if (d.share <= much) return {};
   return fmt::format(
       "the two runs of the extrapolation differ by {:.2g} of how far {} moves, so that the steps do not "
       "resolve "
       "the motion: give mbd.integrator.step = {:.2g}",
-      share, m.model.coordinate_names[static_cast<std::size_t>(worst)], nominal_step_ / 4);
+      d.share, machine_->model.coordinate_names[static_cast<std::size_t>(d.coordinate)], nominal_step_ / 4);
 }
 
 // Two runs, with steps that are `factor` and twice `factor` times as long, which may take that share of the
