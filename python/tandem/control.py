@@ -38,7 +38,7 @@ class FunctionController:
     @property
     def command(self) -> str:
         """What `tandem run --controller` gets."""
-        return f"exec {shlex.join([sys.executable, '-S', '-E', '-c', _DOORMAN, self._path])}"
+        return shlex.join([sys.executable, "-S", "-E", "-c", _DOORMAN, self._path])
 
     def close(self) -> None:
         """After the end of the run."""

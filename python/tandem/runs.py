@@ -149,7 +149,7 @@ class Run:
         if status < 0:
             raise RunError(f"the program ended by signal {-status}", "signal", folder=self.folder)
         said = "\n".join(text for text in self.said.splitlines() if "error" in text) or self.said
-        if status == 2:
+        if status == 2 and not re.match(r"^(.*error:\s*)?--", said, flags=re.S):  # an option is none of the scene
             raise self.scene.error_of(re.sub(r"^.*?error:\s*", "", said, flags=re.S), str(self._file))
         raise RunError(re.sub(r"^.*?error:\s*", "", said.strip(), flags=re.S), str(status), folder=self.folder)
 
