@@ -4,7 +4,7 @@ import numpy as np
 import tandem as td
 
 s = td.Scene("grains", end_time=.6)
-glass = s.material("glass", density=2500, young=1e7, friction=.3, restitution=.5)
+glass = s.material("glass", density=2500, young=5e7, friction=.3, restitution=.5)
 s.box("box", (.2, .2, .2), at=(0, 0, .1), open="+z", material=glass)
 s.lattice(glass, (-.09, -.09, .02), (.09, .09, .3), radius=(.009, .011), count=400)
 r = s.run(picture=False)

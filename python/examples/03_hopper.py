@@ -5,7 +5,7 @@ s = td.Scene("hopper", end_time=1, window=2e-3, frame_interval=.05, description=
 mouth = s.parameter("mouth", .05, unit="m", min=.02, max=.1)       # width of the slot
 s.parameter("pitch", 60, unit="deg", min=20, max=80)               # of the two plates
 s.parameter("plate", .12, unit="m")                                # their length
-glass = s.material("glass", density=2500, young=5e6, friction=.4, restitution=.5)
+glass = s.material("glass", density=2500, young=1e8, friction=.4, restitution=.5)
 for side, sign in (("left", "-"), ("right", "")):
     s.box(side, ("=plate", .08, .004), material=glass,
           at=(f"={sign}(mouth/2 + plate/2*cos(pitch) + 0.002*sin(pitch))", 0, "=plate/2*sin(pitch) - 0.002*cos(pitch)"),

@@ -11,6 +11,7 @@ while run.running:
         print(f"t = {run.time:.3f} s: {-passed[-1]:.3f} kg")
         if -passed[-1] > .15:
             run.stop()
+            break
     time.sleep(.5)
 r = run.wait()
-print(r.verdict, f"{r.summary['simulated_s']:.3f} s of {s.end_time} s were simulated")
+print(r.verdict.reason, f"after {-r['mouth.passed'].last():.3f} kg: {r.summary['simulated_s']:.3f} s of {s.end_time} s were simulated")

@@ -1,8 +1,8 @@
 """A drum with a lifter, driven by a motor: where the energy goes."""
 import tandem as td
 
-s = td.Scene("drum", end_time=1.2, window=1e-3, frame_interval=.05)
-steel = s.material("steel", density=7850, young=1e7, friction=.4, restitution=.5)
+s = td.Scene("drum", end_time=1, window=1e-3, frame_interval=.05)
+steel = s.material("steel", density=7850, young=3e8, friction=.4, restitution=.5)
 drum = s.body("drum", mass=5, inertia=(.1, .2, .1))
 shell = s.wall("shell", material=steel, body=drum, cylinder=(.15, .1), orientation=("x", td.deg(90)))
 s.wall("lifter", material=steel, body=drum, box=(.03, .09, .01), at=(.13, 0, 0))

@@ -1,6 +1,7 @@
 """An excavator digs in a bed of gravel: two cylinders move boom and bucket, and the gravel answers.
 
-Run `python3 excavator_meshes.py` first, which writes boom.stl and bucket.stl into this folder."""
+Run `python3 excavator_meshes.py` first, which writes boom.stl and bucket.stl into this folder. The run is `suspect`: the lip of the bucket
+presses soft gravel by more than a twentieth of its radius. The verdict says which modulus would do, and what that costs."""
 import tandem as td
 
 s = td.Scene("excavator", end_time=4)
@@ -20,6 +21,6 @@ s.fill(bed, gravel, radius=td.normal(.02, .003), height=.3, settle=True)
 
 if __name__ == "__main__":
     r = s.run(progress=True)
-    print(r, f"{r.mass_in('bucket'):.1f} kg in the bucket", sep="\n")
+    print(r, *r.verdict.lines, f"{r.mass_in('bucket'):.1f} kg in the bucket", sep="\n")
     r.plot(["lift.force", "lift.power", "bucket.contact_force"], "excavator.png")
     r.movie("dig.mp4", fps=30)

@@ -51,8 +51,8 @@ def bucket(profile, width, thickness):
 def main(folder="."):
     # The boom from its pivot at x = 0 to its tip at x = 1 m, both at z = 0.7 m.
     write_stl(pathlib.Path(folder) / "boom.stl", prism([(-40, 660), (-40, 740), (350, 860), (1030, 740), (1030, 680)], 90))
-    # The bucket hangs on the tip; its mouth looks back to the machine, 27 degrees up.
-    corners = [(-20, 50), (60, 60), (140, -50), (100, -200), (-20, -260), (-160, -220)]
+    # The bucket hangs on the tip; its mouth looks back to the machine, and its lip is the lowest point.
+    corners = [(-120, -20), (80, 30), (120, -150), (50, -300), (-100, -360)]
     profile = [(1000 + x, 700 + z) for x, z in corners]
     write_stl(pathlib.Path(folder) / "bucket.stl", bucket(profile, 360, 15))
 

@@ -122,7 +122,8 @@ class Results:
         summary = self.summary
         verdict = Verdict(summary.get("status", ""))
         verdict.reason = summary.get("reason") or ""
-        verdict.lines = (summary.get("verdict") or {}).get("lines", [])
+        lines = (summary.get("verdict") or {}).get("lines", [])
+        verdict.lines = [line.get("sentence", str(line)) if isinstance(line, dict) else str(line) for line in lines]
         return verdict
 
     @property

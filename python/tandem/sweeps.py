@@ -50,7 +50,7 @@ class Row:
 
     def __repr__(self) -> str:
         scores = "".join(f", {name} = {value:.6g}" for name, value in self.scores.items())
-        return f"<{self.key}: {self.status}{scores}{', ' + self.reason if self.reason else ''}>"
+        return f"<{self.key}: {self.status}{scores}{', ' + self.reason[:90] if self.reason else ''}>"
 
 
 class Sweep:

@@ -90,5 +90,6 @@ class Variant:
             return state, " ".join(str(text).split())[:400]
         if state == "suspect":
             lines = (summary.get("verdict") or {}).get("lines", [])
-            return state, " ".join(str(lines[0]).split())[:400] if lines else ""
+            first = lines[0].get("sentence", "") if lines and isinstance(lines[0], dict) else "".join(map(str, lines[:1]))
+            return state, " ".join(first.split())[:400]
         return (state, "") if state != "died" else ("died", "its program was killed; the same sweep runs it again")

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """Scenes that are built, checked, run, watched and swept in Python, with the programs of TANDEM; and the examples, shortened."""
 import inspect
-import json
 import math
 import os
 import pathlib
-import shutil
+import re
 import subprocess
 import sys
 import tempfile
@@ -202,6 +201,7 @@ class Short(runs.Run):
         short = scene.copy()
         window = scene.data.get("coupling", {{}}).get("window", 1e-3)
         short.end_time = round(min(end, scene.end_time) / window) * window
+        short.data.get("dem", {{}}).pop("settle", None)
         if short.data.get("output", {{}}).get("frame_interval"):
             short.data["output"]["frame_interval"] = window * max(1, round(short.end_time / window / 3))
         super().__init__(short, *words, **{{**keys, "picture": False, "report": False}})
@@ -212,6 +212,7 @@ def json(self, folder=None):
     window = self.data.get("coupling", {{}}).get("window", 1e-3)
     if sys.argv[0].endswith("sweep.py"):
         short.end_time = round(min(end, self.end_time) / window) * window
+        short.data.get("dem", {{}}).pop("settle", None)
         short.data.get("output", {{}}).pop("frame_interval", None)
     return text(short, folder)
 scenes.Scene.json = json
@@ -223,8 +224,23 @@ runpy.run_path({script!r}, run_name="__main__")
 """
 
 
+class Tutorial(Case):
+    """The blocks of the tutorial, one after the other."""
+
+    def test_blocks(self):
+        text = (EXAMPLES.parents[1] / "docs" / "tutorial.md").read_text()
+        blocks = re.findall(r"^```(python|sh)\n(.*?)^```", text, re.M | re.S)
+        self.assertGreaterEqual(len(blocks), 8)
+        script = "\n".join(code if kind == "python" else f"import subprocess; subprocess.run({code!r}, shell=True, check=True)" for kind, code in blocks)
+        script = script.replace("end_time=.5", "end_time=.3")  # the tutorial shows more than the test needs
+        os.environ["PATH"] = f"{pathlib.Path(os.environ['TANDEM']).parent}:{os.environ['PATH']}"
+        said = subprocess.run([sys.executable, "-B", "-c", script], capture_output=True, text=True, check=False)
+        self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
+        print("\n" + said.stdout)
+
+
 class Examples(Case):
-    """Each example from its folder, with a shorter time; sums of time ranges are moved into it."""
+    """Each example with a shorter time, into which ranges of time are moved, and without settling."""
 
     def run_example(self, name):
         text = SHORTENED.format(examples=str(EXAMPLES), end=SHORT[name], script=str(EXAMPLES / name))
