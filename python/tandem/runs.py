@@ -8,10 +8,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from typing import Any, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 from tandem.entries import SceneError
 from tandem.program import find_tandem
+
+if TYPE_CHECKING:
+    from tandem.results import Results
 
 
 class RunError(RuntimeError):
@@ -80,7 +83,7 @@ class Run:
             return 0.0
 
     @property
-    def results(self):
+    def results(self) -> "Results":
         """The results so far."""
         from tandem.results import Results
         return Results(self.folder)
@@ -94,7 +97,7 @@ class Run:
             self.stopped = True
             self.process.send_signal(signal.SIGINT)
 
-    def wait(self):
+    def wait(self) -> "Results":
         """Waits for the end and returns the Results; raises RunError or SceneError where an error ended the run."""
         from tandem.notebook import ProgressLine
         line = ProgressLine(self) if self.progress is True else None
@@ -145,7 +148,9 @@ class Run:
         if error and error.get("code") != "scene":
             raise RunError(error.get("what", ""), error.get("code", ""), error.get("where", ""), error.get("hint", ""), self.folder)
         if summary.get("exit_status") == status and not error:
-            return  # checks that failed, or a suspect run with --strict: the results say so
+            if summary.get("status") == "suspect":
+                raise RunError("the run is suspect: " + "; ".join(self.results.verdict.lines), "suspect", folder=self.folder)
+            return  # checks that failed: the results say so
         if status < 0:
             raise RunError(f"the program ended by signal {-status}", "signal", folder=self.folder)
         said = "\n".join(text for text in self.said.splitlines() if "error" in text) or self.said

@@ -6,7 +6,7 @@ import pathlib
 import re
 import subprocess
 import tempfile
-from typing import Any, Dict, Iterator, List, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence
 
 from tandem.entries import Entry, SceneError, calling_line, nearest, plain, text_of
 from tandem.grains import Grains
@@ -14,6 +14,11 @@ from tandem.machine import Machine
 from tandem.parts import Body, Drive, Joint, Part, Wall
 from tandem.schema import expect_keys
 from tandem.values import Expression
+
+if TYPE_CHECKING:
+    from tandem.notebook import Picture
+    from tandem.results import Results
+    from tandem.runs import Run
 
 # Lists of named things: where they are in the file, their definition in the schema, and how Python sees them.
 LISTS = {
@@ -44,10 +49,11 @@ class Scene(Machine, Grains):
     Units are SI, angles in rad: td.deg(30). Methods return objects that print as their JSON, and refer to each other by object or name.
 
     end_time       simulated time [s], a whole number of windows
-    window         [s] after which machine and particles exchange motion and load
-    gravity        [m/s2]
-    frame_interval [s] between frames for films and r.frames; by default a thirtieth of a second, but at least a tenth and at most a
-                   three-hundredth of end_time, in whole windows; 0: the first and the last frame only
+    window         [s] after which machine and particles exchange motion and load, and results get a row; 1e-3 by default
+    gravity        [m/s2], (0, 0, -9.81) by default
+    scheme         of the coupling (docs/coupling.md), "dem_first" by default
+    frame_interval [s] between frames for films and r.frames; by default a thirtieth of a second, but between a three-hundredth and a tenth of
+                   end_time, in whole windows; 0: the first and the last frame only
     """
 
     def __init__(self, name: str, end_time: Any, *, window: Optional[Any] = None, gravity: Optional[Sequence[Any]] = None,
@@ -69,6 +75,53 @@ class Scene(Machine, Grains):
     def name(self) -> str:
         """Name of the scene."""
         return self.data["name"]
+
+    @name.setter
+    def name(self, value: str) -> None:
+        self.data["name"] = value
+
+    def __setattr__(self, key: str, value: Any) -> None:
+        if key == "data" or isinstance(getattr(type(self), key, None), property):
+            object.__setattr__(self, key, value)
+            return
+        known = ["end_time", "gravity", "window", "scheme", "name", "description"]
+        raise SceneError(f"a scene has no '{key}'" + nearest(key, known), hint="other keys: s.section(\"output\")[\"fields\"] = [...]")
+
+    @property
+    def gravity(self) -> Any:
+        """Acceleration of gravity [m/s2], three numbers."""
+        return self.data.get("gravity", [0, 0, -9.81])
+
+    @gravity.setter
+    def gravity(self, value: Any) -> None:
+        self.data["gravity"] = plain(value)
+
+    @property
+    def window(self) -> Any:
+        """Length of a window [s]."""
+        return self.data.get("coupling", {}).get("window", 1e-3)
+
+    @window.setter
+    def window(self, value: Any) -> None:
+        self.section("coupling")["window"] = plain(value)
+
+    @property
+    def scheme(self) -> str:
+        """Coupling scheme."""
+        return self.data.get("coupling", {}).get("scheme", "dem_first")
+
+    @scheme.setter
+    def scheme(self, value: str) -> None:
+        self.section("coupling")["scheme"] = value
+
+    @property
+    def description(self) -> str:
+        """Free text."""
+        return self.data.get("description", "")
+
+    @description.setter
+    def description(self, value: str) -> None:
+        self.data["description"] = value
 
     @property
     def end_time(self) -> Any:
@@ -237,7 +290,7 @@ class Scene(Machine, Grains):
             raise self.error_of(said.stderr or said.stdout, str(file))
         return said.stdout.replace(str(file), self.name)
 
-    def preview(self, file: Optional[str] = None):
+    def preview(self, file: Optional[str] = None) -> "Picture":
         """Draws the start of the scene into a PNG file, NAME_preview.png by default, and returns the picture, which notebooks show."""
         from tandem.notebook import Picture
         target = pathlib.Path(file or f"{self._file_name()}_preview.png").resolve()
@@ -247,14 +300,14 @@ class Scene(Machine, Grains):
     def _file_name(self) -> str:
         return re.sub(r"[^A-Za-z0-9_-]", "_", self.name) or "scene"
 
-    def start(self, out: Optional[str] = None, **options: Any):
+    def start(self, out: Optional[str] = None, **options: Any) -> "Run":
         """Starts a run and returns a tandem.Run at once; see run() for the options."""
         from tandem.runs import Run
         return Run(self, out, **options)
 
     def run(self, out: Optional[str] = None, *, progress: Any = False, controller: Any = None, threads: Optional[int] = None,
             backend: Optional[str] = None, picture: bool = True, report: bool = True, restart: Optional[str] = None,
-            checkpoint_every: Optional[float] = None, strict: bool = False, arguments: Sequence[str] = (), **parameters: float):
+            checkpoint_every: Optional[float] = None, strict: bool = False, arguments: Sequence[str] = (), **parameters: float) -> "Results":
         """Runs the scene and returns its tandem.Results.
 
         out         folder of the results, out/NAME by default; it replaces those of an earlier run there
@@ -262,7 +315,7 @@ class Scene(Machine, Grains):
         controller  a function (time, sensors) -> inputs, called in this process before each window: `sensors` is a dict of the columns of
                     s.observe(), the answer a dict of the scene's control inputs, or a number if there is one
         threads     of the particle solver;  backend "cpu" or "cuda";  picture, report: whether picture.png and report.html are made
-        restart     folder of a run to continue;  checkpoint_every [s];  strict: a suspect run is an error
+        restart     folder of a run to continue;  checkpoint_every [s];  strict: a suspect run raises RunError
         arguments   more options of `tandem run`, as texts
         parameters  values of the scene's parameters: s.run(mouth=0.08)
 

@@ -148,6 +148,7 @@ class Errors(unittest.TestCase):
         self.check("'w' is no axis", lambda: s.revolute("h", "ground", "arm", at=(0, 0, 0), axis="w"))
         self.check("already one of the name 'arm', made at .*scene_test.py", lambda: s.body("arm", mass=1, inertia=(1, 1, 1)))
         self.check("neither mass and inertia nor a shape", lambda: s.body("b"))
+        self.check("a scene has no 'gravty'; did you mean 'gravity'", lambda: setattr(s, "gravty", (0, 0, 0)))
         self.check("no list 'mbd.body'; did you mean 'mbd.bodies'", lambda: s.add("mbd.body", name="x"))
         self.check("2 times and 3 values", lambda: td.table([0, 1], [0, 1, 2]))
         self.check("needs a material", lambda: s["arm"].wall())
