@@ -5,6 +5,14 @@ from typing import Any, Dict, Iterator, Optional
 from tandem.entries import nearest
 
 
+def _open(file):
+    try:
+        import h5py
+    except ImportError:
+        raise ImportError("frames are HDF5 files, which need h5py (Debian: python3-h5py)") from None
+    return h5py.File(file, "r")
+
+
 class FrameData:
     """What one file of a frame holds: each array is read anew when it is asked for, and not kept."""
 
@@ -13,13 +21,11 @@ class FrameData:
 
     def keys(self):
         """Names of the arrays."""
-        import h5py
-        with h5py.File(self.file) as held:
+        with _open(self.file) as held:
             return [name for name in held if name != "points"]
 
     def __getitem__(self, name: str):
-        import h5py
-        with h5py.File(self.file) as held:
+        with _open(self.file) as held:
             if name not in held:
                 raise KeyError(f"{self.file.name} has no '{name}'" + nearest(name, held.keys()))
             return held[name][()]
@@ -33,8 +39,7 @@ class FrameData:
             raise AttributeError(error.args[0]) from None
 
     def __len__(self) -> int:
-        import h5py
-        with h5py.File(self.file) as held:
+        with _open(self.file) as held:
             return len(held["position"]) if "position" in held else len(held)
 
     def __repr__(self) -> str:
@@ -82,8 +87,7 @@ class Frame:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        import h5py
-        with h5py.File(next(self.folder.glob(f"frames/*_{self.number:06}.h5"))) as held:
+        with _open(next(self.folder.glob(f"frames/*_{self.number:06}.h5"))) as held:
             return float(held.attrs["time"])
 
     def __repr__(self) -> str:

@@ -14,6 +14,11 @@ UNITS = {"position": "m", "velocity": "m/s", "angular_velocity": "rad/s", "conta
          "reaction_torque": "N m", "orientation": "-"}
 
 
+def _trapezoid(values, time):
+    """Integral over time (numpy's own function has changed its name)."""
+    return np.tensordot(np.diff(time), 0.5 * (values[1:] + values[:-1]), 1)
+
+
 class Signal(np.lib.mixins.NDArrayOperatorsMixin):
     """A result over time: `time` [s], `values` (rows, or rows x 3 of a vector), `unit`, `name`.
 
@@ -59,12 +64,12 @@ class Signal(np.lib.mixins.NDArrayOperatorsMixin):
     def mean(self, start: float = 0, stop: Optional[float] = None):
         """Mean over time, by the trapezoidal rule."""
         time, values = self._part(start, stop)
-        return values[0] if len(time) == 1 else np.trapz(values, time, axis=0) / (time[-1] - time[0])
+        return values[0] if len(time) == 1 else _trapezoid(values, time) / (time[-1] - time[0])
 
     def integral(self, start: float = 0, stop: Optional[float] = None):
         """Integral over time, by the trapezoidal rule: of a power [W], the energy [J]."""
         time, values = self._part(start, stop)
-        return np.trapz(values, time, axis=0)
+        return _trapezoid(values, time)
 
     def min(self, start: float = 0, stop: Optional[float] = None):
         """Smallest value."""

@@ -71,6 +71,10 @@ class Variant:
 
     def outcome(self, program: str) -> Tuple[str, str]:
         """Status and reason."""
+        status, reason = self._outcome(program)
+        return status, reason.replace(f"{self.scene}: ", "")
+
+    def _outcome(self, program: str) -> Tuple[str, str]:
         state = state_of(program, self.folder)
         if state == "timed out":
             return state, f"stopped after {self._limit.read_text().strip()}"
