@@ -1,22 +1,14 @@
 // `tandem sweep` is the Python module tandem.sweeps: this verb knows the options, and starts it in its place.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
 #include <memory>
 
-#include "common/error.hpp"
-#include "launch/report/data_folder.hpp"
+#include "launch/verbs/python_module.hpp"
 #include "launch/verbs/verbs.hpp"
 
 namespace tandem::launch {
 namespace {
-
-constexpr const char* python = "/usr/bin/python3";
 
 struct SweepWords {
   std::string scene, out, share, backend;
@@ -27,7 +19,7 @@ struct SweepWords {
 };
 
 std::vector<std::string> arguments(const SweepWords& words) {
-  std::vector<std::string> all{python, "-m", "tandem.sweeps", words.scene};
+  std::vector<std::string> all{words.scene};
   const auto add = [&all](const char* name, const std::string& value) {
     if (!value.empty()) all.push_back(fmt::format("{}={}", name, value));
   };
@@ -41,21 +33,6 @@ std::vector<std::string> arguments(const SweepWords& words) {
   add("--share", words.share);
   if (words.retry) all.emplace_back("--retry");
   return all;
-}
-
-// Replaces this process; the runs of the sweep are those of this very program.
-[[noreturn]] void become_sweep(const SweepWords& words) {
-  std::string path = (data_folder() / "python").string();
-  if (const char* given = std::getenv("PYTHONPATH")) path += fmt::format(":{}", given);
-  setenv("PYTHONPATH", path.c_str(), 1);
-  setenv("TANDEM", std::filesystem::read_symlink("/proc/self/exe").c_str(), 1);
-  std::vector<std::string> all = arguments(words);
-  std::vector<char*> argv;
-  for (std::string& word : all) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  execv(python, argv.data());
-  throw Error(ErrorCode::resource, fmt::format("cannot be started: {}", strerror(errno)), python,
-              "a sweep needs the Debian packages python3, python3-numpy and python3-matplotlib");
 }
 
 }  // namespace
@@ -93,7 +70,7 @@ void add_sweep(CLI::App& app) {
                    "PART/PARTS: only this part of the variants, as a task of an array job; a call without it "
                    "collects all");
   verb->add_flag("--retry", words->retry, "Run variants that failed again");
-  verb->callback([=] { become_sweep(*words); });
+  verb->callback([=] { become_python("tandem.sweeps", arguments(*words)); });
 }
 
 }  // namespace tandem::launch

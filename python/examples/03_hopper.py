@@ -21,7 +21,7 @@ s.domain((-.3, -.04, -.2), (.3, .04, .6))
 if __name__ == "__main__":
     s.save("hopper.json")                                           # tandem run hopper.json --set mouth=0.06 --out out/hopper
     r = s.run(picture=False)
-    print(f"{-r['mouth.flow'].mean(.4, .7):.3f} kg/s through a slot of 50 mm")
+    print(f"{-r['mouth.flow'].mean(.25, .4):.3f} kg/s through a slot of 50 mm")
     r = s.run("out/hopper_60", picture=False, mouth=.06)
-    print(f"{-r['mouth.flow'].mean(.4, .7):.3f} kg/s through a slot of 60 mm")
+    print(f"{-r['mouth.flow'].mean(.25, .4):.3f} kg/s through a slot of 60 mm")
     r.plot(["mouth.flow", "mouth.passed"], "hopper.png")

@@ -8,7 +8,7 @@
     r = s.run()
     print(r.verdict, r["hinge.q"].max())
 
-Start with help(td.Scene), help(td.Results) and help(td.sweep). Solvers in Python are another matter: see tandem.participant.
+Start with help(td.Scene), help(td.Results), help(td.sweep) and help(td.templates). Solvers in Python are another matter: see tandem.participant.
 Nothing of this is loaded before it is used, and `import tandem` loads neither numpy nor anything else.
 """
 import importlib
@@ -28,6 +28,8 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name):
+    if name == "templates":
+        return importlib.import_module("tandem.templates")
     if name in _HOME:
         value = getattr(importlib.import_module("tandem." + _HOME[name]), name)
         globals()[name] = value

@@ -42,10 +42,10 @@ class Machine:
                 density = mass / solid
             elif inertia is None and density is None:
                 raise SceneError("has a shape, but no mass", where, "give density= or mass=", made_at)
-            shapes = [Entry({"name": name, "use": "graphics", "density": plain(0 if density is None else density), "shape": found},
-                            made_at=made_at)]
+            shapes = [Entry({"name": name, "use": "graphics", "shape": found}, made_at=made_at)]
             if inertia is None:
                 mass = "from_shapes"
+                shapes[0]["density"] = plain(density)
         return self.add("mbd.bodies", name=name, mass=mass, inertia=inertia, position=at, orientation=geometry.quaternion(orientation),
                         velocity=velocity, angular_velocity=angular_velocity, shapes=shapes, **keys)
 

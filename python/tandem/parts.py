@@ -85,21 +85,21 @@ class Body(Part):
     """A rigid body. Scene.body() makes it."""
 
     def wall(self, material: Any = None, name: Optional[str] = None, *, mesh=None, scale=None, box=None, sphere=None, cylinder=None,
-             shape=None, at=None, orientation=None, open=None, density: Optional[float] = 0) -> "Body":
+             shape=None, at=None, orientation=None, open=None, density: Optional[float] = None) -> "Body":
         """Makes the body touch the particles: without a shape, all its shapes that are graphics become walls of this material;
         with one (as in Scene.body), it is added, without mass unless `density` is given. Returns the body."""
         return self._use("wall", material, name, dict(mesh=mesh, scale=scale, box=box, sphere=sphere, cylinder=cylinder, shape=shape,
                                                       open=open), at, orientation, density)
 
     def contact(self, material: Any = None, name: Optional[str] = None, *, mesh=None, scale=None, box=None, sphere=None, cylinder=None,
-                shape=None, at=None, orientation=None, density: Optional[float] = 0) -> "Body":
+                shape=None, at=None, orientation=None, density: Optional[float] = None) -> "Body":
         """Makes the body touch other bodies; as wall(), but each shape is added as a shape of contact besides what it is, and
         `material` is one of Scene.surface(). Returns the body."""
         return self._use("contact", material, name, dict(mesh=mesh, scale=scale, box=box, sphere=sphere, cylinder=cylinder, shape=shape),
                          at, orientation, density)
 
     def show(self, name: Optional[str] = None, *, mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=None, at=None,
-             orientation=None, density: Optional[float] = 0) -> "Body":
+             orientation=None, density: Optional[float] = None) -> "Body":
         """Adds a shape that is seen, and has a mass if `density` is given, but touches nothing. Returns the body."""
         return self._use("graphics", None, name, dict(mesh=mesh, scale=scale, box=box, sphere=sphere, cylinder=cylinder, shape=shape),
                          at, orientation, density)
@@ -108,6 +108,8 @@ class Body(Part):
         shape = geometry.shape_of(**given)
         shapes: List[Entry] = self.entry.setdefault("shapes", [])
         made_at = calling_line()
+        shaped = self.entry.get("mass") == "from_shapes"
+        density = 0 if density is None and shaped else density
         if use != "graphics" and material is None:
             raise SceneError(f"{use}() of '{self.name}' needs a material", hint=f"give material=, as in {self.name}.{use}(material=steel)")
         if shape is None:
@@ -120,7 +122,7 @@ class Body(Part):
                     old.update(use="wall", material=plain(material))
                 else:
                     new = copy.deepcopy(old)
-                    new.update(use=use, material=plain(material), density=0, name=self._free_name(f"{old['name']}_contact"))
+                    new.update({"density": 0} if shaped else {}, use=use, material=plain(material), name=self._free_name(f"{old['name']}_contact"))
                     shapes.append(new)
             return self
         entry = {"name": name or self._free_name(self.name), "use": use, "material": plain(material), "density": density,

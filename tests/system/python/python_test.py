@@ -224,6 +224,27 @@ runpy.run_path({script!r}, run_name="__main__")
 """
 
 
+class Templates(Case):
+    def test_each_is_a_valid_scene(self):
+        for name in td.templates.__all__:
+            made = getattr(td.templates, name)()
+            made.check(files_only=True)
+            for parameter, keys in made.data["parameters"].items():  # each one is used
+                self.assertRegex(str(made).replace(f'"{parameter}": {{', ""), rf'"=[^"]*\b{parameter}\b', f"{name}: {parameter}")
+
+    def test_command(self):
+        said = subprocess.run([os.environ["TANDEM"], "new", "scene", "rig", "--template", "linkage"], capture_output=True, text=True, check=False)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        r = self.run_scene(td.load("rig.json"), speed=3)
+        self.assertEqual(r.verdict, "ok")
+        self.assertAlmostEqual(r["crank_pin.rate"].last(), 3, places=2)
+        for words, wanted in ((["--template", "hoper"], "no template 'hoper'; did you mean 'hopper'"), (["rig", "--template", "linkage"], "exists"),
+                              ([], "--template")):
+            said = subprocess.run([os.environ["TANDEM"], "new", "scene", *words], capture_output=True, text=True, check=False)
+            self.assertIn(wanted, said.stderr)
+            self.assertEqual(said.returncode, 2)
+
+
 class Tutorial(Case):
     """The blocks of the tutorial, one after the other."""
 

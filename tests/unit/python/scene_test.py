@@ -84,6 +84,17 @@ class Json(unittest.TestCase):
             self.assertGreaterEqual(windows, 1)
 
 
+class Bodies(unittest.TestCase):
+    def test_shapes_have_a_density_only_where_they_give_the_mass(self):
+        s = digger()
+        s["arm"].wall("gravel", "plate", box=(1, 1, 1))
+        self.assertEqual([shape["density"] for shape in s["arm"].shapes], [1000, 0])
+        self.assertEqual([shape["use"] for shape in s["arm"].wall("gravel").shapes], ["wall", "wall"])
+        heavy = s.body("heavy", box=(1, 1, 1), mass=3, inertia=(1, 1, 1)).wall("gravel").wall("gravel", sphere=1)
+        self.assertFalse(any("density" in shape for shape in heavy.shapes))
+        self.assertEqual([shape["name"] for shape in heavy.shapes], ["heavy", "heavy_2"])
+
+
 class Copies(unittest.TestCase):
     def test_a_copy_is_independent(self):
         s = digger()
