@@ -1,4 +1,4 @@
-// `tandem sweep` is the Python module tandem.sweeps: this verb knows the options, and starts it in its place.
+// `tandem sweep` is the Python module tandem.sweep_command: this verb knows the options, and starts it in its place.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -70,7 +70,7 @@ void add_sweep(CLI::App& app) {
                    "PART/PARTS: only this part of the variants, as a task of an array job; a call without it "
                    "collects all");
   verb->add_flag("--retry", words->retry, "Run variants that failed again");
-  verb->callback([=] { become_python("tandem.sweeps", arguments(*words)); });
+  verb->callback([=] { become_python("tandem.sweep_command", arguments(*words)); });
 }
 
 }  // namespace tandem::launch

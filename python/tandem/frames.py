@@ -1,6 +1,6 @@
 """Frames of a run, read from HDF5 when they are asked for: no more than one array at a time is held."""
 import pathlib
-from typing import Any, Dict, Iterator, Optional
+from typing import Any, Dict, Iterator
 
 from tandem.entries import nearest
 

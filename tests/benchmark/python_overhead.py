@@ -6,7 +6,6 @@
 2. The same machine under a controller function: time from the receipt of a question to the answer, and per window in all."""
 import math
 import os
-import pathlib
 import resource
 import statistics
 import subprocess

@@ -3,7 +3,6 @@
 import json
 import pathlib
 import resource
-import sys
 import tempfile
 import unittest
 

@@ -11,7 +11,7 @@ import time
 import unittest
 
 import tandem as td
-from tandem.sweeps import main, values_of
+from tandem.sweep_command import main, values_of
 
 os.environ["TANDEM"] = str(pathlib.Path(__file__).resolve().parent / "fake_tandem.py")
 
@@ -70,7 +70,7 @@ class Sweeps(Case):
 
     def test_forty_variants_are_resumed_after_a_kill(self):
         self.s.save(self.folder / "s.json")
-        command = [sys.executable, "-m", "tandem.sweeps", str(self.folder / "s.json"), "--set", "x=" + ",".join(map(str, range(-1, 39))), "--of",
+        command = [sys.executable, "-m", "tandem.sweep_command", str(self.folder / "s.json"), "--set", "x=" + ",".join(map(str, range(-1, 39))), "--of",
                    "lift.force:max", "--out", str(self.out), "--jobs", "2"]
         first = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
         while len(self.runs()) < 12:
