@@ -3,7 +3,7 @@
 
 1. A run of the pendulum_control machine without callbacks, from Python and by the command, alternately: wall times, and the processor time and
    the time before and after the program that Python adds.
-2. The same machine under a controller function: time from the receipt of a question to the answer, and per window in all."""
+2. The same machine under a controller function: time from the receipt of a question to the answer before it is sent, and what a window takes more."""
 import math
 import os
 import resource
