@@ -74,6 +74,8 @@ class Execution:
         """What the program said about this scene, with the line of Python that made the object it names."""
         text = " ".join(line for line in said.strip().splitlines() if line.strip()) or "the program said nothing"
         text = re.sub(r"^error:\s*", "", text).replace(f"{file}: ", "").replace(file, self.name) if file else text
+        if "no pair of" in text:
+            text += "; or give both materials friction= and restitution="
         return SceneError(text, made_at=self._origin(text) or self.data.made_at)
 
     def _origin(self, text: str) -> Optional[str]:

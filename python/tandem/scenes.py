@@ -73,6 +73,11 @@ class Scene(Machine, Grains, Execution):
     def name(self, value: str) -> None:
         self.data["name"] = value
 
+    def __getattr__(self, key: str) -> Any:
+        if key.startswith("_") or key == "data":
+            raise AttributeError(key)
+        raise AttributeError(f"a scene has no '{key}'" + nearest(key, [name for name in dir(type(self)) if not name.startswith("_")]))
+
     def __setattr__(self, key: str, value: Any) -> None:
         if key == "data" or isinstance(getattr(type(self), key, None), property):
             object.__setattr__(self, key, value)
@@ -208,7 +213,9 @@ class Scene(Machine, Grains, Execution):
         known = self.data.get("parameters", {})
         for name, value in values.items():
             if name not in known:
-                raise SceneError(f"the scene has no parameter '{name}'" + nearest(name, known), "parameters")
+                own = isinstance(getattr(type(self), name, None), property)
+                raise SceneError(f"the scene has no parameter '{name}'" + ("" if own else nearest(name, known)), "parameters",
+                                 f"write s.{name} = {value!r}" if own else None)
             if isinstance(known[name], dict):
                 known[name]["value"] = plain(value)
             else:

@@ -112,6 +112,8 @@ class Copies(unittest.TestCase):
         self.assertEqual(s.data["parameters"]["width"]["value"], .5)
         with self.assertRaisesRegex(td.SceneError, "no parameter 'widht'; did you mean 'width'"):
             s.set(widht=1)
+        with self.assertRaisesRegex(td.SceneError, "write s.end_time = 3"):
+            s.set(end_time=3)
 
     def test_expressions_keep_their_meaning(self):
         a, b = td.Expression("a"), td.Expression("b")
@@ -163,6 +165,8 @@ class Errors(unittest.TestCase):
         self.check("no list 'mbd.body'; did you mean 'mbd.bodies'", lambda: s.add("mbd.body", name="x"))
         self.check("2 times and 3 values", lambda: td.table([0, 1], [0, 1, 2]))
         self.check("needs a material", lambda: s["arm"].wall())
+        with self.assertRaisesRegex(AttributeError, "no 'revolut'; did you mean 'revolute'"):
+            s.revolut
         with self.assertRaisesRegex(KeyError, "no 'bedd'; did you mean 'bed'"):
             s["bedd"]
         s.sensor("gravel", box=(1, 1, 1))
