@@ -1,4 +1,5 @@
-// `tandem sweep` is the Python module tandem.sweep_command: this verb knows the options, and starts it in its place.
+// `tandem sweep` is the Python module tandem.sweep_command: this verb knows the options, and starts it in its
+// place.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
