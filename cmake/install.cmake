@@ -13,7 +13,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/launch/report/report.py ${PROJECT_SOURCE_DIR
               ${PROJECT_SOURCE_DIR}/common/scene/schema.json
         DESTINATION share/tandem)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/launch/scenes/ DESTINATION share/tandem/scenes)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/tandem DESTINATION share/tandem/python FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/tandem ${PROJECT_SOURCE_DIR}/python/examples DESTINATION share/tandem/python
+        FILES_MATCHING PATTERN "*.py" PATTERN "py.typed")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
               ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md DESTINATION share/tandem)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION share/tandem/docs)

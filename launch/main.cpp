@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   add_movie(app);
   add_modes(app);
   add_study(app, status);
+  add_sweep(app);
   add_import(app);
   add_ps(app);
   add_stop(app);

@@ -9,6 +9,7 @@
 #include "launch/new_project/new_project.hpp"
 #include "launch/replay/replay.hpp"
 #include "launch/verbs/options.hpp"
+#include "launch/verbs/python_module.hpp"
 #include "launch/verbs/verbs.hpp"
 
 namespace tandem::launch {
@@ -107,23 +108,42 @@ void add_replay(CLI::App& app, int& status) {
 
 void add_new(CLI::App& app) {
   CLI::App* verb =
-      app.add_subcommand("new", "Make a project with a solver of your own (docs/participant.md)");
-  auto kind = std::make_shared<std::string>();
+      app.add_subcommand("new",
+                         "Make a project with a solver of your own (docs/participant.md), or a scene "
+                         "from a template (docs/python.md)");
+  auto kind = std::make_shared<std::string>(), scene_template = std::make_shared<std::string>();
   auto wanted = std::make_shared<NewParticipant>();
-  verb->add_option("kind", *kind, "What to make: participant")->required();
-  verb->add_option("name", wanted->name, "Name of the project and of its program")->required();
-  verb->add_option("--language", wanted->language, "Language of the solver: cpp, c, fortran, python")
-      ->required();
-  verb->add_option("--role", wanted->role,
-                   "Solver of the bodies (mbd), of spheres (dem) or of a liquid (sph)")
-      ->required()
+  verb->add_option("kind", *kind, "What to make: participant, or scene")->required();
+  verb->add_option("name", wanted->name,
+                   "Name of the project and of its program, or of the scene, which may be without one");
+  verb->add_option("--language", wanted->language,
+                   "Language of the solver: cpp, c, fortran, python; a participant needs it");
+  verb->add_option(
+          "--role", wanted->role,
+          "Solver of the bodies (mbd), of spheres (dem) or of a liquid (sph); a participant needs it")
       ->check(CLI::IsMember({"mbd", "dem", "sph"}));
-  verb->add_option("--out", wanted->folder, "New folder; without it one with the name, here")
-      ->type_name("DIR");
+  verb->add_option("--template", *scene_template,
+                   "Scene to start from: hopper, conveyor, chute, tank, mixer, bucket or linkage");
+  verb->add_option("--out", wanted->folder,
+                   "New folder of a participant, new file of a scene; without it one with the name, here");
   verb->callback([=] {
+    if (*kind == "scene") {
+      if (scene_template->empty())
+        throw Error(
+            ErrorCode::usage, "is required", "--template",
+            "write tandem new scene --template hopper, conveyor, chute, tank, mixer, bucket or linkage");
+      std::vector<std::string> words{"--template=" + *scene_template};
+      if (!wanted->name.empty()) words.push_back(wanted->name);
+      if (!wanted->folder.empty()) words.push_back("--out=" + wanted->folder.string());
+      become_python("tandem.templates", words);
+    }
     if (*kind != "participant")
       throw Error(ErrorCode::usage, "makes no '" + shortened(*kind) + "'", "tandem new",
-                  "write tandem new participant NAME");
+                  "write tandem new participant NAME, or tandem new scene --template hopper");
+    const std::pair<const char*, std::string> required[] = {
+        {"name", wanted->name}, {"--language", wanted->language}, {"--role", wanted->role}};
+    for (const auto& [option, value] : required)
+      if (value.empty()) throw Error(ErrorCode::usage, "is required", option, "tandem new --help says more");
     new_participant(*wanted);
   });
 }

@@ -9,6 +9,7 @@ namespace tandem::launch {
 // Of scenes.
 void add_run(CLI::App& app, int& status);
 void add_study(CLI::App& app, int& status);
+void add_sweep(CLI::App& app);
 void add_validate(CLI::App& app, int& status);
 void add_describe(CLI::App& app);
 void add_preview(CLI::App& app);

@@ -42,6 +42,16 @@ done
 [[ -s $work/run/report.html ]] || fail "no report: report.py was not found"
 [[ -s $home/share/tandem/schema.json ]] || fail "no schema.json"
 
+echo "-- the Python package finds the program, and its examples are there"
+[[ -s $home/share/tandem/python/examples/excavator.py ]] || fail "no examples of the Python package"
+env -u TANDEM PYTHONPATH="$home/share/tandem/python" /usr/bin/python3 -B -c "
+import tandem as td
+assert td.find_tandem() == '$home/bin/tandem', td.find_tandem()
+s = td.Scene('ball', end_time=.05)
+s.body('ball', sphere=.1, mass=1)
+assert abs(s.run('$work/python', picture=False, report=False)['ball.velocity.z'].last() + 9.81 * .05) < 1e-9
+" || fail "the Python package does not run a scene"
+
 echo "-- the participant kit is there"
 for file in include/tandem/participant.h include/tandem/participant.hpp share/tandem/fortran/tandem_participant.f90 \
   lib/cmake/tandem/tandemConfig.cmake lib/cmake/tandem/tandemConfigVersion.cmake; do

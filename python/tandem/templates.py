@@ -1,0 +1,209 @@
+"""Scenes to start from, with all their measures as parameters: s = td.templates.hopper(); s.run(mouth=0.06).
+
+`tandem new scene --template hopper` writes the same as a file. Each function returns a tandem.Scene that runs as it comes."""
+import pathlib
+import sys
+from typing import List, Optional
+
+from tandem.entries import SceneError, nearest
+from tandem.scenes import Scene
+
+__all__ = ["hopper", "conveyor", "chute", "tank", "mixer", "bucket", "linkage"]
+
+
+def _parameters(s: Scene, **keys) -> None:
+    for name, (value, unit) in keys.items():
+        s.parameter(name, value, unit=unit)
+
+
+def _material(s: Scene, radius: float, density: float = 2500, friction: float = 0.4):
+    """Material, and parameters, of the spheres."""
+    _parameters(s, radius=(radius, "m"), friction=(friction, None), density=(density, "kg/m3"), young=(1.5e8, "Pa"))
+    return s.material("grain", density="=density", young="=young", friction="=friction", restitution=0.4)
+
+
+def _radii():
+    return ["=0.9*radius", "=1.1*radius"]
+
+
+def hopper() -> Scene:
+    """A hopper with a slot, and a sensor of the flow through it.
+
+    mouth, pitch (of the plates from the horizontal), plate (their length), depth, height (of the fill above the plates); radius, friction,
+    density, young of the grains. Result: mouth.flow, mouth.passed."""
+    s = Scene("hopper", end_time=1, window=2e-3, frame_interval=.05, description="Grains run through the slot of a hopper.")
+    _parameters(s, mouth=(.05, "m"), pitch=(60, "deg"), plate=(.12, "m"), depth=(.08, "m"), height=(.3, "m"))
+    grain = _material(s, .006)
+    for side, sign in (("left", "-"), ("right", "")):
+        s.box(side, ("=plate", "=depth", .004), material=grain,
+              at=(f"={sign}(mouth/2 + plate/2*cos(pitch) + 0.002*sin(pitch))", 0, "=plate/2*sin(pitch) - 0.002*cos(pitch)"),
+              orientation={"axis": [0, 1, 0], "angle": "=pitch" if sign else "=-pitch"})
+        s.plane(f"{side}_side", at=(f"={sign}(mouth/2 + plate*cos(pitch))", 0, 0), normal="x" if sign else "-x", material=grain)
+    s.plane("front", at=(0, "=-depth/2", 0), normal="y", material=grain)
+    s.plane("back", at=(0, "=depth/2", 0), normal="-y", material=grain)
+    wide, high = "mouth/2 + plate*cos(pitch) - 1.2*radius", "plate*sin(pitch) + 2*radius"
+    s.lattice(grain, (f"=-({wide})", "=-depth/2 + 1.2*radius", f"={high}"), (f"={wide}", "=depth/2 - 1.2*radius", f"={high} + height"),
+              radius=_radii(), spacing="=2.3*radius")
+    s.sensor("mouth", box=("=2*mouth + 0.1", "=depth", "=5*radius"), at=(0, 0, "=-4*radius"), flow="z")
+    s.outlet("below", below="=-16*radius")
+    s.domain(("=-2*(mouth + plate)", "=-depth", "=-20*radius"), ("=2*(mouth + plate)", "=depth", "=2*plate + 1.5*height"))
+    return s
+
+
+def conveyor() -> Scene:
+    """A belt with skirts that carries grains from an inlet over its end.
+
+    length, width (of the belt), speed, rate (mass per time), skirt (height); radius, friction, density, young. Results: end.flow, end.passed."""
+    s = Scene("conveyor", end_time=2, window=1e-3, frame_interval=.05, description="A belt carries grains over its end.")
+    _parameters(s, length=(1, "m"), width=(.2, "m"), speed=(1, "m/s"), rate=(3, "kg/s"), skirt=(.08, "m"))
+    grain = _material(s, .01, friction=.5)
+    s.box("belt", ("=length", "=width", .01), at=("=length/2", 0, -.005), material=grain, surface_velocity=("=speed", 0, 0))
+    for side, sign in (("left", ""), ("right", "-")):
+        s.box(side, ("=length", .004, "=skirt"), at=("=length/2", f"={sign}(width/2 + 0.002)", "=skirt/2 + 0.001"), material=grain)
+    s.box("tail", (.004, "=width", "=skirt"), at=(-.004, 0, "=skirt/2 + 0.001"), material=grain)
+    s.inlet("feed", grain, ("=0.03 + radius", "=-width/2 + 2*radius", "=skirt"), ("=0.03 + 14*radius", "=width/2 - 2*radius", "=skirt + 8*radius"),
+            radius=_radii(), mass_rate="=rate", velocity=("=speed/2", 0, -.5))
+    s.sensor("end", box=("=10*radius", "=width", "=2*skirt"), at=("=length - 8*radius", 0, "=skirt - 0.005"), flow="x")
+    s.outlet("below", below="=-0.3")
+    s.domain((-.2, "=-width", -.4), ("=length + 1", "=width", "=skirt + 12*radius"))
+    return s
+
+
+def chute() -> Scene:
+    """Grains run down an inclined chute with sides.
+
+    slope, length, width, rate (mass per time); radius, friction, density, young. Results: end.flow, end.momentum over end.mass."""
+    s = Scene("chute", end_time=1.5, window=1e-3, frame_interval=.05, description="Grains run down a chute.")
+    _parameters(s, slope=(30, "deg"), length=(1, "m"), width=(.12, "m"), rate=(2, "kg/s"))
+    grain = _material(s, .006, friction=.3)
+    tilt = {"axis": [0, 1, 0], "angle": "=slope"}
+    s.box("floor", ("=length", "=width", .01), at=("=length/2*cos(slope) - 0.005*sin(slope)", 0, "=-length/2*sin(slope) - 0.005*cos(slope)"),
+          orientation=tilt, material=grain)
+    for side, sign in (("left", ""), ("right", "-")):
+        s.box(side, ("=length", .004, .1), at=("=length/2*cos(slope) + 0.051*sin(slope)", f"={sign}(width/2 + 0.002)", "=-length/2*sin(slope) + 0.051*cos(slope)"),
+              orientation=tilt, material=grain)
+    s.inlet("feed", grain, ("=0.05 + radius", "=-width/2 + 2*radius", .03), ("=0.05 + 20*radius", "=width/2 - 2*radius", "=0.03 + 12*radius"),
+            radius=_radii(), mass_rate="=rate", velocity=(.3, 0, -.3))
+    s.sensor("end", box=("=10*radius", "=width", .1), at=("=0.85*length*cos(slope) + 0.05*sin(slope)", 0, "=-0.85*length*sin(slope) + 0.05*cos(slope)"),
+             orientation=tilt, flow="x")
+    s.outlet("below", below="=-length*sin(slope) - 0.1")
+    s.domain((-.2, "=-width", "=-length*sin(slope) - 0.2"), ("=length + 0.8", "=width", .3))
+    return s
+
+
+def mixer() -> Scene:
+    """A vessel with two blades on a shaft that a motor drives through a bed of grains.
+
+    diameter, fill (mass), speed (of the shaft), blade (height); radius, friction, density, young. Results: motor.torque, motor.power."""
+    s = Scene("mixer", end_time=1, window=1e-3, frame_interval=.05, description="Two blades stir a bed of grains.")
+    _parameters(s, diameter=(.2, "m"), fill=(.8, "kg"), speed=(6, "rad/s"), blade=(.03, "m"))
+    grain = _material(s, .006)
+    s.wall("vessel", cylinder=("=diameter/2", "=diameter"), at=(0, 0, "=diameter/2"), open="+z", material=grain)
+    stirrer = s.body("stirrer", mass=1, inertia=(2e-3, 2e-3, 3e-3), at=(0, 0, "=0.003 + 2.5*radius + blade/2"))
+    stirrer.wall(grain, "blade_a", box=("=0.8*diameter", .006, "=blade"))
+    stirrer.wall(grain, "blade_b", box=(.006, "=0.7*diameter", "=blade"), at=(0, 0, "=1.1*blade"))
+    shaft = s.revolute("shaft", "ground", stirrer, at=(0, 0, 0), axis="z")
+    motor = s.motor("motor", shaft, max_torque=20, gains={"proportional": 5, "integral": 20})
+    motor.speed = {"type": "ramp", "to": "=speed", "duration": .3}
+    s.fill("vessel", grain, radius=_radii(), mass="=fill", settle={"kinetic_energy": 1e-7})
+    s.domain(("=-0.6*diameter", "=-0.6*diameter", "=-0.1*diameter"), ("=0.6*diameter", "=0.6*diameter", "=1.5*diameter"))
+    return s
+
+
+def bucket() -> Scene:
+    """A bucket on an arm is pulled through a bed of grains.
+
+    width, depth (of the lip under the surface), way, bed (height); radius, friction, density, young. Results: pull.force, bucket.contact_force."""
+    s = Scene("bucket", end_time=1.5, window=1e-3, frame_interval=.05, description="A bucket is pulled through a bed.")
+    _parameters(s, width=(.2, "m"), depth=(.06, "m"), way=(.5, "m"), bed=(.12, "m"))
+    grain = _material(s, .012, friction=.5)
+    s.box("trough", (1.2, "=2*width", .5), at=(.3, 0, .25), open="+z", material=grain)
+    tool = s.body("bucket", mass=20, inertia=(.3, .3, .3), at=(0, 0, "=bed + 0.13"))
+    tool.wall(grain, "shell", box=(.16, "=width", .14), open=["+x", "+z"], orientation=("y", -.2))
+    carriage = s.body("carriage", mass=5, inertia=(.1, .1, .1), at=(0, 0, "=bed + 0.3"))
+    s.prismatic("pull", "ground", carriage, at=(0, 0, "=bed + 0.3"), axis="x",
+                motion={"type": "table", "times": [0, .5, 1.5], "values": [0, 0, "=way"]})
+    s.prismatic("lower", carriage, tool, at=(0, 0, "=bed + 0.2"), axis="z",
+                motion={"type": "table", "times": [0, .4, 1.5], "values": [0, "=-depth - 0.05", "=-depth - 0.05"]})
+    s.fill("trough", grain, radius=_radii(), level="=bed", settle={"kinetic_energy": 1e-6})
+    s.domain((-.6, "=-2*width", -.2), (1.2, "=2*width", 1))
+    return s
+
+
+def tank() -> Scene:
+    """A tank of water on a slide that is shaken: the load of the liquid on its walls.
+
+    length, width, height (of the tank), level (of the water), amplitude, frequency of the slide, spacing (of the particles).
+    Results: sloshing.force, sloshing.axis_torque, gauge.level."""
+    s = Scene("tank", end_time=1, window=2e-3, frame_interval=.05, description="Water in a tank that is shaken.")
+    _parameters(s, length=(.4, "m"), width=(.12, "m"), height=(.3, "m"), level=(.12, "m"), amplitude=(.02, "m"), frequency=(1, None), spacing=(.015, "m"))
+    s.add("mbd.bodies", name="tank", mass=5, inertia=(.1, .1, .1), position=(0, 0, "=height/2"),
+          shapes=[{"name": "case", "use": "wall", "shape": {"type": "box", "size": ["=length", "=width", "=height"], "open": ["+z"]}}])
+    s.prismatic("slide", "ground", "tank", axis="x", motion={"type": "harmonic", "amplitude": "=amplitude", "frequency": "=frequency"})
+    water = s.section("sph")
+    water["spacing"] = "=spacing"
+    water["liquids"] = [{"name": "water", "density": 1000, "viscosity": 1e-3, "artificial_viscosity": 0.02, "expected_speed": 1,
+                         "fill": [{"type": "inside", "wall": "case", "level": "=level"}]}]
+    s.add("sph.sensors", type="level", name="gauge", body="tank", position=("=length/2 - spacing", 0, "=-height/2"))
+    s.add("sph.sensors", type="load", name="sloshing", body="tank", axis=(0, 1, 0))
+    return s
+
+
+def linkage() -> Scene:
+    """A four-bar linkage that a motor drives against a load on its rocker.
+
+    crank, coupler, rocker, base (lengths), speed (of the crank), load (force on the rocker's end). Results: motor.torque, rocker_pin.q."""
+    s = Scene("linkage", end_time=2, window=1e-3, frame_interval=.04, description="A crank and rocker.")
+    _parameters(s, crank=(.2, "m"), coupler=(.6, "m"), rocker=(.5, "m"), base=(.7, "m"), speed=(6.283185, "rad/s"), load=(20, "N"))
+    # The crank points along x at the start; law of cosines for the joint of coupler and rocker.
+    gap = "(base - crank)"
+    cosine = f"(coupler^2 + {gap}^2 - rocker^2)/(2*coupler*{gap})"
+    x, z = f"(crank + coupler*{cosine})", f"(coupler*sqrt(1 - ({cosine})^2))"
+    for name, length, middle, angle in (("crank_bar", "crank", ("=crank/2", 0, 0), "=0*rad"),
+                                        ("coupler_bar", "coupler", (f"=(crank + {x})/2", 0, f"={z}/2"), f"=-atan2({z}, {x} - crank)"),
+                                        ("rocker_bar", "rocker", (f"=(base + {x})/2", 0, f"={z}/2"), f"=-atan2({z}, {x} - base)")):
+        s.body(name, box=(f"={length}", .02, .03), density=7850, at=middle, orientation={"axis": [0, 1, 0], "angle": angle})
+    pin = s.revolute("crank_pin", "ground", "crank_bar", at=(0, 0, 0), axis="y")
+    s.revolute("knee", "crank_bar", "coupler_bar", at=("=crank", 0, 0), axis="y")
+    s.revolute("joint", "coupler_bar", "rocker_bar", at=(f"={x}", 0, f"={z}"), axis="y")
+    s.revolute("rocker_pin", "ground", "rocker_bar", at=("=base", 0, 0), axis="y")
+    motor = s.motor("motor", pin, max_torque=500)
+    motor.speed = {"type": "ramp", "to": "=speed", "duration": .5}
+    s.force("load", "rocker_bar", at=(f"={x}", 0, f"={z}"), direction="-x", size="=load")
+    return s
+
+
+def make(template: str, file: Optional[str] = None, name: Optional[str] = None) -> pathlib.Path:
+    """Writes a template as a new file, TEMPLATE.json by default."""
+    if template not in __all__:
+        raise SceneError(f"there is no template '{template}'" + nearest(template, __all__), made_at="the command line")
+    scene = globals()[template]()
+    if name:
+        scene.name = name
+    path = pathlib.Path(file or f"{scene.name}.json")
+    if path.exists():
+        raise SceneError(f"'{path}' exists", hint="give another name by --out", made_at="the command line")
+    scene.save(str(path))
+    return path
+
+
+def main(words: Optional[List[str]] = None) -> int:
+    """tandem new scene [NAME] --template TEMPLATE [--out FILE]"""
+    import argparse
+    parser = argparse.ArgumentParser(prog="tandem new scene", allow_abbrev=False)
+    parser.add_argument("name", nargs="?")
+    parser.add_argument("--template", required=True)
+    parser.add_argument("--out")
+    options = parser.parse_args(words)
+    try:
+        path = make(options.template, options.out, options.name)
+    except SceneError as error:
+        print(f"error: {str(error).partition(chr(10))[0]}", file=sys.stderr)
+        return 2
+    scene = globals()[options.template]
+    print(f"{path}: {scene.__doc__.partition(chr(10))[0]}\n  tandem preview {path}\n  tandem run {path} --out out/{path.stem}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

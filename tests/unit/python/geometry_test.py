@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Meshes, bounds and rotations; bodies that are scaled and rotated."""
+import math
+import os
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+import tandem as td
+from tandem import geometry
+
+sys.path.insert(0, str(pathlib.Path(td.__file__).resolve().parents[1] / "examples"))
+import excavator_meshes  # noqa: E402
+
+
+def cube(size=(1, 1, 1)):
+    return np.array(excavator_meshes.prism([(0, 0), (0, size[2]), (size[0], size[2]), (size[0], 0)], size[1]), float)
+
+
+class Meshes(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+        os.environ["XDG_CACHE_HOME"] = holder.name
+        self.file = self.folder / "cube.stl"
+        geometry.write_stl(self.file, 1000 * cube((1, 2, 3)))
+
+    def test_formats(self):
+        wanted = geometry.read_triangles(self.file)
+        lines = ["solid cube"]
+        for t in wanted:
+            lines += ["facet normal 0 0 0", "outer loop"] + [f"vertex {x} {y} {z}" for x, y, z in t] + ["endloop", "endfacet"]
+        (self.folder / "ascii.stl").write_text("\n".join(lines + ["endsolid"]))
+        corners = wanted.reshape(-1, 3)
+        (self.folder / "cube.obj").write_text("\n".join([f"v {x} {y} {z}" for x, y, z in corners] +
+                                                        [f"f {3 * i + 1}//1 {3 * i + 2} -{len(corners) - 3 * i - 2}" for i in range(len(wanted))]))
+        for name in ("ascii.stl", "cube.obj"):
+            np.testing.assert_array_equal(geometry.read_triangles(self.folder / name), wanted)
+
+    def test_volume_and_density_from_mass(self):
+        s = td.Scene("s", 1)
+        body = s.body("cube", mesh=self.file, scale=1e-3, mass=12)
+        self.assertAlmostEqual(body.shapes[0]["density"], 2)
+        self.assertEqual(body.mass, "from_shapes")
+
+    def test_meshes_of_the_excavator_are_closed(self):
+        excavator_meshes.main(self.folder)
+        for name in ("boom.stl", "bucket.stl"):
+            edges = {}
+            for t in geometry.read_triangles(self.folder / name).round(3):
+                points = [tuple(p) for p in t]
+                for i in range(3):
+                    edges[points[i], points[(i + 1) % 3]] = edges.get((points[i], points[(i + 1) % 3]), 0) + 1
+            self.assertTrue(all(edges.get(edge[::-1]) == count for edge, count in edges.items()), name)
+
+    def bucket(self):
+        s = td.Scene("s", 1)
+        arm = s.body("arm", mass=1, inertia=(1, 1, 1))
+        body = s.body("bucket", mesh=self.file, scale=1e-3, density=1)
+        s.revolute("tip", arm, body, at=(.5, 0, 3), axis="y")
+        return body
+
+    def test_scale_keeps_the_joint(self):
+        body = self.bucket().scale(y=2)
+        low, high = geometry.bounds_in(body.shapes[0]["shape"], None, None)
+        np.testing.assert_allclose([low, high], [[0, -2, 0], [1, 2, 3]], atol=1e-6)
+
+    def test_rotate_is_about_the_joint(self):
+        body = self.bucket().rotate("y", td.deg(90))
+        low, high = geometry.bounds_in(body.shapes[0]["shape"], None, None)
+        # x - .5 -> z - 3 and z - 3 -> -(x - .5) of a rotation about +y: z' = 3 - (x - .5), x' = .5 + (z - 3)
+        np.testing.assert_allclose([low, high], [[-2.5, -1, 2.5], [.5, 1, 3.5]], atol=1e-6)
+
+    def test_boxes(self):
+        s = td.Scene("s", 1)
+        body = s.body("b", box=(1, 2, 3), density=1)
+        body.scale(z=2, about=(0, 0, 1)).rotate("z", math.pi / 2, about=(1, 0, 0))
+        shape = body.shapes[0]
+        self.assertEqual(shape["shape"]["size"], [1, 2, 6])
+        np.testing.assert_allclose(shape["position"], [1, -1, -1], atol=1e-12)
+        low, high = geometry.bounds_in(shape["shape"], shape["position"], shape["orientation"])
+        np.testing.assert_allclose(high - low, [2, 1, 6], atol=1e-12)
+        ball = s.body("ball", sphere=1, density=1)
+        with self.assertRaisesRegex(td.SceneError, "cannot be scaled along one axis"):
+            ball.scale(x=2)
+
+
+class Rotations(unittest.TestCase):
+    def test_all_ways_to_say_it_agree(self):
+        c, s = math.cos(.3), math.sin(.3)
+        wanted = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+        for said in ([math.cos(.15), 0, math.sin(.15), 0], {"axis": [0, 1, 0], "angle": .3}, {"axis": [0, 1, 0], "angle_deg": math.degrees(.3)},
+                     {"euler": [0, .3, 0], "order": "xyz"}, {"euler_deg": [0, math.degrees(.3), 0], "order": "zyx"},
+                     {"x_axis": [c, 0, -s], "z_axis": [s, 0, c]}, {"y_axis": [0, 2, 0], "z_axis": [s, 0, c]}):
+            np.testing.assert_allclose(geometry.rotation(said), wanted, atol=1e-12)
+
+
+if __name__ == "__main__":
+    unittest.main()
