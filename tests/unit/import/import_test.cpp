@@ -175,7 +175,7 @@ TEST_F(Import, CollisionShapesBecomeWalls) {
   put("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   ImportOptions options;
   options.into = folder_ / "bed.json";
-  options.material = "steel";
+  options.materials = {"steel"};
   const std::string mass = R"(<inertial><origin xyz="0 0 0.5"/><mass value="1"/>
       <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>)";
   const std::string name = folder_.filename().string();
