@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
   add_modes(app);
   add_study(app, status);
   add_import(app);
+  add_mesh(app, status);
   add_ps(app);
   add_stop(app);
   add_keys(app);

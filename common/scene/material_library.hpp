@@ -19,9 +19,18 @@ struct LibraryMaterial {
   const char* source;               // key of docs/materials.md
 };
 
+struct LibraryPair {
+  const char *a, *b;                  // in either order
+  std::optional<double> restitution;  // [-]
+  std::optional<double> friction;     // [-]
+  const char* source;
+};
+
 const std::vector<LibraryMaterial>& library_materials();
+const std::vector<LibraryPair>& library_pairs();
 std::vector<std::string> library_material_names();
 // Null where there is none.
 const LibraryMaterial* find_library_material(std::string_view name);
+const LibraryPair* find_library_pair(std::string_view a, std::string_view b);
 
 }  // namespace tandem::scene

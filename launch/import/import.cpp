@@ -104,7 +104,7 @@ Imported import_urdf(const ImportOptions& options) {
     imported.scene["mbd"]["couplers"] = std::move(couplers);
   const fs::path folder = options.output.empty() ? fs::path(".") : options.output.parent_path();
   if (options.into.empty()) {
-    note_shapes(*urdf.model, imported.notes);
+    add_graphics(*urdf.model, frames, options, folder, imported.scene["mbd"]["bodies"], imported.notes);
   } else {
     add_walls(*urdf.model, frames, options, folder, imported.scene["dem"], imported.notes);
   }

@@ -113,13 +113,41 @@ void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, cons
   }
 }
 
-void note_shapes(const urdf::ModelInterface& model, std::vector<std::string>& notes) {
+void add_graphics(const urdf::ModelInterface& model, const LinkFrames& frames, const ImportOptions& options,
+                  const fs::path& folder, Json& bodies, std::vector<std::string>& notes) {
   for (const auto& [name, link] : model.links_) {
-    if (!link->collision_array.empty())
+    const LinkFrame& frame = frames.at(name);
+    const bool has_walls = !link->collision_array.empty(), on_ground = frame.body == "ground";
+    if (has_walls && on_ground)
       notes.push_back("link '" + name +
                       "': <collision>: walls need particles, import --into a scene that has some");
-    if (!link->visual_array.empty())
+    if (!link->visual_array.empty() && (has_walls || on_ground))
       notes.push_back("link '" + name + "': <visual>: a scene draws the walls, made of <collision>");
+    if (on_ground) continue;
+    Json& body = *std::find_if(bodies.begin(), bodies.end(),
+                               [&](const Json& each) { return each["name"] == frame.body; });
+    const auto add = [&](const urdf::Geometry& geometry, const urdf::Pose& origin, std::size_t number) {
+      std::optional<Json> shape;
+      try {
+        shape = shape_of(geometry, options.model, folder);
+      } catch (const Error& error) {
+        // A picture is not worth an error: the machine moves without it.
+        notes.push_back("link '" + name + "': " + error.problem());
+      }
+      if (!shape) return;
+      const Pose in_world = frame.pose * pose_of(origin);
+      const Quat q_BW = frame.q_WB.conjugate();
+      body["shapes"].push_back({{"name", fmt::format("{}_{}", name, number)},
+                                {"use", "graphics"},
+                                {"position", list(q_BW.rotate(in_world.p_WB - frame.p_WB))},
+                                {"orientation", list((q_BW * in_world.q_WB).normalized())},
+                                {"shape", *shape}});
+    };
+    std::size_t number = 0;
+    for (const auto& collision : link->collision_array)
+      add(*collision->geometry, collision->origin, ++number);
+    if (!has_walls)
+      for (const auto& visual : link->visual_array) add(*visual->geometry, visual->origin, ++number);
   }
 }
 

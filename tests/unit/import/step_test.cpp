@@ -205,6 +205,22 @@ TEST_F(Step, AssembliesMergeAndDensitiesGoByPattern) {
   EXPECT_NEAR(bodies[1]["mass"].get<double>(), train, 1e-6 * train);
 }
 
+TEST_F(Step, IntoASceneWithParticlesMeshesAreWalls) {
+  put("bed.json", R"({"tandem": "1.1", "name": "bed", "end_time": 1, "dem": {
+    "materials": [{"name": "hard", "density": 8000, "young": 1e7, "poisson": 0.3, "restitution": 0.5, "friction": 0.3}],
+    "particles": [], "domain": {"min": [-9,-9,-9], "max": [9,9,9]}}})");
+  ImportOptions options = of("slider_crank.step");
+  options.into = folder_ / "bed.json";
+  options.materials = {"hard"};
+  const Imported imported = import_step(options);
+  const auto& pin = imported.scene["mbd"]["bodies"][7];
+  EXPECT_NEAR(pin["mass"].get<double>(), 8000 * std::numbers::pi * 64 * 36e-9, 1e-9);
+  EXPECT_EQ(pin["shapes"][0]["use"], "wall");
+  EXPECT_EQ(pin["shapes"][0]["material"], "hard");
+  options.materials = {"*=hard", "crank=soft"};
+  EXPECT_THAT(refusal(files / "slider_crank.step", options), HasSubstr("soft"));
+}
+
 TEST_F(Step, RefusesWhatIsNoSolidMachine) {
   const auto write = [&](const std::string& name, const std::string& text) {
     put(name, text);
