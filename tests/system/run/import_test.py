@@ -52,12 +52,14 @@ class Import(Case):
         scene.write_text(json.dumps(machine))
         self.run_scene(scene, out=self.folder / "crank")
         with open(self.folder / "crank" / "bodies.csv", newline="") as bodies:
-            x = [float(row["slider.position.x"]) for row in csv.DictReader(bodies)]
-        # The crank at 60 degrees turns about y by 10 rad in 1 s: from z to x.
+            rows = list(csv.DictReader(bodies))
+        # From 60 degrees the crank turns about y, from z to x, by 10 rad/s.
         slider = lambda angle: 0.05 * math.cos(angle) + math.sqrt(0.2**2 - (0.05 * math.sin(angle))**2)
-        moved = slider(math.pi / 3 - 10) - slider(math.pi / 3)
-        print(f"\n  slider moved by {x[-1] - x[0]:.9f} m, expected {moved:.9f} (tolerance 1e-8)")
-        self.assertAlmostEqual(x[-1] - x[0], moved, delta=1e-8)
+        at = lambda row: slider(math.pi / 3 - 10 * float(row["time"]))
+        moved = float(rows[-1]["slider.position.x"]) - float(rows[0]["slider.position.x"])
+        expected = at(rows[-1]) - at(rows[0])
+        print(f"\n  slider moved by {moved:.9f} m, expected {expected:.9f} (tolerance 1e-8)")
+        self.assertAlmostEqual(moved, expected, delta=1e-8)
 
     def test_scene_goes_to_standard_output(self):
         scene, notes = self.say(harness.SCENES / "two_links.urdf")
