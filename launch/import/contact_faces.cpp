@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "launch/import/step_frames.hpp"
 
@@ -188,20 +189,34 @@ std::vector<FittingFaces> fitting_faces(const StepFile& step) {
     for (const Vec3d& vertex : product.mesh.vertices) box.add(to_world(part.pose, vertex));
     rings.push_back(rings_of(product, part.pose));
   }
-  std::vector<FittingFaces> found;
-  for (std::size_t a = 0; a < step.parts.size(); ++a)
-    for (std::size_t b = a + 1; b < step.parts.size(); ++b) {
-      const StepProduct &one = step.products[step.parts[a].product],
-                        &other = step.products[step.parts[b].product];
+  // Parts in the order of their lowest x: each can touch those only that begin before it ends.
+  std::vector<std::size_t> order(step.parts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
+    return std::pair(bounds[a].low.x, a) < std::pair(bounds[b].low.x, b);
+  });
+  std::vector<std::pair<std::size_t, std::size_t>> near;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t k = i + 1; k < order.size(); ++k) {
+      const std::size_t a = std::min(order[i], order[k]), b = std::max(order[i], order[k]);
+      const StepProduct& one = step.products[step.parts[order[i]].product];
+      const StepProduct& other = step.products[step.parts[order[k]].product];
+      if (bounds[order[k]].low.x > bounds[order[i]].high.x + 0.02 * one.size()) break;
       if (one.unit.mass == 0 || other.unit.mass == 0) continue;
-      const double distance = same_plane * std::min(one.size(), other.size());
-      if (!bounds[a].meets(bounds[b], 0.02 * std::min(one.size(), other.size()))) continue;
-      const FittingFaces pair{.kind = {}, .a = a, .b = b, .point = {}, .direction = {}};
-      fit_rings(rings[a], rings[b], pair, found);
-      const Bounds region = bounds[a].common(bounds[b], distance);
-      fit_planes(planes_of(one, step.parts[a].pose, region), planes_of(other, step.parts[b].pose, region),
-                 distance, pair, found);
+      if (bounds[a].meets(bounds[b], 0.02 * std::min(one.size(), other.size()))) near.emplace_back(a, b);
     }
+  std::ranges::sort(near);
+  std::vector<FittingFaces> found;
+  for (const auto& [a, b] : near) {
+    const StepProduct &one = step.products[step.parts[a].product],
+                      &other = step.products[step.parts[b].product];
+    const double distance = same_plane * std::min(one.size(), other.size());
+    const FittingFaces pair{.kind = {}, .a = a, .b = b, .point = {}, .direction = {}};
+    fit_rings(rings[a], rings[b], pair, found);
+    const Bounds region = bounds[a].common(bounds[b], distance);
+    fit_planes(planes_of(one, step.parts[a].pose, region), planes_of(other, step.parts[b].pose, region),
+               distance, pair, found);
+  }
   return found;
 }
 

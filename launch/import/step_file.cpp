@@ -74,7 +74,11 @@ StepFile read_step(const fs::path& file, std::optional<double> deviation) {
   const TemporaryFolder folder;
   run_tandem_step(file, folder.path(), deviation, std::chrono::minutes(10));
   const Json json = Json::parse(read_input(folder.path() / "parts.json", {.largest = largest_mesh}));
-  StepFile step{.unit = json.at("unit").get<std::string>(), .products = {}, .parts = {}};
+  StepFile step{.unit = json.at("unit").get<std::string>(),
+                .faults = json.at("faults").get<std::size_t>(),
+                .first_fault = json.at("first_fault").get<std::string>(),
+                .products = {},
+                .parts = {}};
   for (const Json& product : json.at("products"))
     step.products.push_back(
         product_of(product, folder.path() / (std::to_string(step.products.size()) + ".stl")));

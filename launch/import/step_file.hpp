@@ -48,7 +48,9 @@ struct StepPart {
 };
 
 struct StepFile {
-  std::string unit;  // of lengths in the file
+  std::string unit;        // of lengths in the file
+  std::size_t faults = 0;  // entities that OpenCASCADE could not read
+  std::string first_fault;
   std::vector<StepProduct> products;
   std::vector<StepPart> parts;  // in the order of the file
 };

@@ -134,6 +134,11 @@ Imported import_step(const ImportOptions& given) {
         options.scene_densities[material.value("name", "")] = material["density"].get<double>();
   StepImport import{read_step(options.model, options.deviation), {}, {}};
   std::vector<std::string> notes;
+  if (import.step.faults > 0)
+    notes.push_back(fmt::format(
+        "{} entities of the file, which OpenCASCADE could not read; the first: {}. Compare the parts and "
+        "their masses with those of the CAD program",
+        import.step.faults, printable(shortened(import.step.first_fault))));
   const std::vector<FittingFaces> fits = fitting_faces(import.step);
   import.bodies = bodies_of(import.step, fits, options, notes);
   if (import.bodies.bodies.empty())

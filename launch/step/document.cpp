@@ -1,5 +1,7 @@
 #include "launch/step/document.hpp"
 
+#include <Interface_Check.hxx>
+#include <Interface_CheckIterator.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
@@ -15,6 +17,8 @@
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
 #include <cmath>
 #include <gp_Quaternion.hxx>
 #include <map>
@@ -129,6 +133,16 @@ class Reader {
   Document document_;
 };
 
+// Failures of reading or of making shapes; warnings are common and harmless.
+void count_faults(const Interface_CheckIterator& checks, Document& document) {
+  Interface_CheckIterator each = checks;
+  for (each.Start(); each.More(); each.Next()) {
+    const Handle(Interface_Check)& check = each.Value();
+    if (check.IsNull() || check->NbFails() == 0) continue;
+    if (document.faults++ == 0) document.first_fault = check->CFail(1);
+  }
+}
+
 }  // namespace
 
 Document read_document(const std::string& file) {
@@ -145,9 +159,13 @@ Document read_document(const std::string& file) {
     throw Refusal("holds no shape", "export the assembly, not only its structure");
   Handle(TDocStd_Document) xde = new TDocStd_Document("tandem");
   XCAFDoc_DocumentTool::Set(xde->Main());
+  const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  const Interface_CheckIterator load = session->ModelCheckList(true);
   if (!reader.Transfer(xde))
     throw Refusal("holds no shape that OpenCASCADE can make", "export it again, as AP214 or AP242");
   Document document = Reader(xde->Main()).read();
+  count_faults(load, document);
+  count_faults(session->TransferReader()->LastCheckList(), document);
   document.unit = lengths.IsEmpty() ? "" : lengths.First().ToCString();
   if (document.products.empty()) throw Refusal("holds no shape", "export the parts with their solids");
   return document;

@@ -21,8 +21,11 @@ struct Product {
 struct Document {
   std::vector<Product> products;
   std::string unit;  // of lengths, as the file says it
-  nlohmann::json
-      tree;  // {name, children} of assemblies, {name, product, position, orientation, ...} of parts
+  // What OpenCASCADE could not make of the file: a part may lack a face, or be missing.
+  std::size_t faults = 0;
+  std::string first_fault;
+  // {name, children} of assemblies, {name, product, position, orientation, ...} of parts.
+  nlohmann::json tree;
 };
 
 // Throws Refusal.

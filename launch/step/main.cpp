@@ -30,8 +30,11 @@ void write(const nlohmann::json& json, const fs::path& file) {
 
 void read(const std::string& file, const fs::path& folder, std::optional<double> deviation) {
   const Document document = read_document(file);
-  nlohmann::json parts{
-      {"unit", document.unit}, {"tree", document.tree}, {"products", nlohmann::json::array()}};
+  nlohmann::json parts{{"unit", document.unit},
+                       {"faults", document.faults},
+                       {"first_fault", document.first_fault},
+                       {"tree", document.tree},
+                       {"products", nlohmann::json::array()}};
   for (std::size_t i = 0; i < document.products.size(); ++i) {
     const Product& product = document.products[i];
     const auto about = [&](const std::string& problem) { return "part '" + product.name + "' " + problem; };

@@ -7,7 +7,9 @@
 #include <TopExp_Explorer.hxx>
 #include <cmath>
 #include <fstream>
+#include <map>
 
+#include "common/geometry/mass_properties.hpp"
 #include "common/geometry/stl_bytes.hpp"
 #include "launch/step/document.hpp"
 #include "launch/step/features.hpp"
@@ -17,6 +19,33 @@
 namespace tandem::step {
 
 using Json = nlohmann::json;
+
+namespace {
+
+// A solid that lacks a face has a volume as well, of no meaning: each edge belongs to two triangles, once in
+// each direction, and the mesh has the volume up to its deviation.
+void expect_closed(const TriangleMesh& mesh, double volume, double deviation) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+  double area = 0;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+      uses[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+    area += 0.5 *
+            norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+  }
+  for (const auto& [edge, balance] : uses)
+    if (balance != 0)
+      throw Refusal("has a solid with a missing or open face", "repair it in the CAD program");
+  const double found = mass_of_mesh(mesh, 1).mass;
+  if (std::abs(found - volume) > area * deviation + 1e-4 * volume)
+    throw Refusal("has a solid of " + std::to_string(1e9 * volume) + " mm3 whose faces enclose " +
+                      std::to_string(1e9 * found) + " mm3",
+                  "repair it in the CAD program");
+}
+
+}  // namespace
 
 Json facts_of_product(const TopoDS_Shape& shape, std::optional<double> deviation,
                       const std::filesystem::path& file) {
@@ -48,6 +77,7 @@ Json facts_of_product(const TopoDS_Shape& shape, std::optional<double> deviation
 
   const double stated = deviation.value_or(1e-3 * diagonal);
   const SolidMesh mesh = mesh_of_solids(shape, stated);
+  expect_closed(mesh.mesh, properties.Mass() * std::pow(metres, 3), mesh.deviation);
   std::ofstream(file, std::ios::binary) << stl_bytes(mesh.mesh);
   facts["triangles"] = mesh.mesh.triangles.size();
   facts["deviation"] = mesh.deviation;
