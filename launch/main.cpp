@@ -20,9 +20,12 @@ using namespace tandem;
 using namespace tandem::launch;
 
 std::string version_text() {
-  return fmt::format("tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc, stream{}",
-                     version, protocol::protocol_version.major, protocol::protocol_version.minor,
-                     has_cuda ? ", cuda" : "", has_dds ? ", dds" : "");
+  return fmt::format(
+      "tandem {}, protocol {}.{}\nback ends: cpu{}\ntransports: shm, inproc, stream{}\nimports: urdf{}",
+      version, protocol::protocol_version.major, protocol::protocol_version.minor, has_cuda ? ", cuda" : "",
+      has_dds ? ", dds" : "",
+      has_step ? fmt::format(", step (OpenCASCADE {})", step_version)
+               : "; no step, for lack of OpenCASCADE (launch/install --cad, then launch/build)");
 }
 
 // Throws Error{usage} for bytes that are not UTF-8: summary, log and messages could not contain them.
@@ -87,6 +90,7 @@ int main(int argc, char** argv) {
   add_study(app, status);
   add_sweep(app);
   add_import(app);
+  add_mesh(app, status);
   add_ps(app);
   add_stop(app);
   add_keys(app);

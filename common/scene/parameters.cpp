@@ -13,6 +13,7 @@
 #include "common/scene/document.hpp"
 #include "common/scene/expression.hpp"
 #include "common/scene/fault.hpp"
+#include "common/scene/material_values.hpp"
 #include "common/scene/nearest_name.hpp"
 
 namespace tandem::scene {
@@ -192,14 +193,22 @@ std::vector<Parameter> put_in_parameters(std::string& text, const std::map<std::
                                          const std::string& origin) {
   const nlohmann::json checked = read_document(text, origin);
   const bool any = checked.is_object() && checked.contains("parameters");
-  if (!any && set.empty() && text.find("\"=") == std::string::npos) return {};
+  const bool has_numbers = any || !set.empty() || text.find("\"=") != std::string::npos;
+  if (!has_numbers && !may_use_library(text)) return {};
   parameters::json document = parameters::json::parse(text);
   if (!document.is_object()) return {};
+  if (!has_numbers) {
+    std::vector<Parameter> figures = put_in_materials(document, origin);
+    if (!figures.empty()) text = document.dump(2);
+    return figures;
+  }
   const parameters::json given = any ? document["parameters"] : parameters::json::object();
   document.erase("parameters");
   parameters::Parameters all(given, set, origin);
   std::vector<Parameter> values = all.all();
   parameters::replace(document, "", "", all, origin);
+  const std::vector<Parameter> figures = put_in_materials(document, origin);
+  values.insert(values.end(), figures.begin(), figures.end());
   text = document.dump(2);
   return values;
 }

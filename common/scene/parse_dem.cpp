@@ -16,6 +16,7 @@ ContactLaw contact_law(const std::string& name) {
 Material parse_material(const Node& node) {
   Material material;
   node.read("name", material.name);
+  for (const char* key : {"density", "young", "poisson"}) require_figure(node, key);
   node.read("density", material.density);
   node.read("young", material.young);
   node.read("poisson", material.poisson);

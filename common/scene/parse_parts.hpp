@@ -34,6 +34,14 @@ void parse_shapes(const Node& root, Scene& scene);
 // The outputs of mbd.contact, where there is one.
 std::vector<ContactOutput> parse_contact_outputs(const Node& mbd, const Names& bodies);
 
+// A figure of a material or of a liquid, which the coordinator takes from the library where the scene leaves
+// it out.
+inline void require_figure(const Node& node, const char* key) {
+  if (!node.has(key))
+    node.fail(std::string("the key '") + key + "' is missing",
+              std::string("add ") + key + ", or use a name of docs/materials.md, whose figures are known");
+}
+
 // Reads the pairs into a `dem` whose law is known.
 void parse_pairs(const Node& node, Dem& dem);
 

@@ -7,6 +7,7 @@ namespace {
 Liquid parse_liquid(const Node& node) {
   Liquid liquid;
   node.read("name", liquid.name);
+  for (const char* key : {"density", "viscosity"}) require_figure(node, key);
   node.read("density", liquid.density);
   node.read("viscosity", liquid.viscosity);
   node.read("sound_speed", liquid.sound_speed);

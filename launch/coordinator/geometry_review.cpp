@@ -234,10 +234,10 @@ void review_fineness(const ImportedMesh& mesh, double radius, std::vector<std::s
       "wall \"{}\" has {} triangles, with sides of some {:.2g} m, for spheres of radius {:.3g} m: one at the "
       "wall is compared with some {:.2g} of them, {:.2g} us of a core in every micro step; sides of about "
       "the "
-      "radius are enough, {:.2g} triangles: decimate {}",
+      "radius are enough, {:.2g} triangles: tandem mesh coarsen {} -o coarse.stl --deviation {:.2g}{}",
       mesh.wall, facts.triangles, std::sqrt(4 / std::sqrt(3.0) * of_triangle), radius,
       compared_per_within * within, 1e6 * seconds_per_comparison * compared_per_within * within, enough,
-      mesh.file));
+      mesh.file, radius / 100, mesh.scale == 1 ? "" : fmt::format(" --scale {:.6g}", mesh.scale)));
 }
 
 // ---- contact of bodies

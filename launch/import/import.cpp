@@ -7,11 +7,13 @@
 
 #include "common/error.hpp"
 #include "common/file_draft.hpp"
-#include "common/input_file.hpp"
-#include "common/scene/document.hpp"
+#include "common/geometry/stl_bytes.hpp"
 #include "common/scene/parse.hpp"
 #include "common/utf8.hpp"
+#include "launch/import/base_scene.hpp"
 #include "launch/import/joints.hpp"
+#include "launch/import/model_format.hpp"
+#include "launch/import/step_scene.hpp"
 #include "launch/import/urdf_file.hpp"
 #include "launch/import/walls.hpp"
 
@@ -20,24 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-Json base_scene(const ImportOptions& options, const std::string& name) {
-  if (options.into.empty()) {
-    return {{"tandem", "1.1"},
-            {"name", name},
-            {"description", "imported from " + options.model.filename().string()},
-            {"end_time", 1.0},
-            {"coupling", {{"window", 1e-3}}}};
-  }
-  const std::string text =
-      read_input(options.into, {.largest = largest_text, .hint = "give the path of a scene"});
-  scene::read_document(text, options.into.string());
-  Json scene = Json::parse(text);
-  if (!scene.is_object() || !scene.contains("dem"))
-    throw Error(ErrorCode::scene, "is no scene with particles", options.into.string(),
-                "walls need materials, particles and a domain: give a scene that has `dem`");
-  return scene;
-}
 
 // The checks refer to elements of the scene; the user knows links and joints.
 std::string element_of(const std::string& where, const Json& scene) {
@@ -81,6 +65,28 @@ void write(const Json& value, const std::string& indent, std::string& text) {
   text += "\n" + indent + (value.is_array() ? "]" : "}");
 }
 
+// Options that would do nothing are refused.
+void expect_options_of(bool is_step, const ImportOptions& options) {
+  const auto refuse = [&](bool given, const char* option) {
+    if (given)
+      throw Error(ErrorCode::usage,
+                  fmt::format("{} has no meaning for a {} file", option, is_step ? "STEP" : "URDF"),
+                  options.model.string(), "leave it out");
+  };
+  if (is_step) {
+    refuse(options.free_root, "--free-root");
+    refuse(options.stops.has_value(), "--stops");
+    return;
+  }
+  refuse(!options.densities.empty(), "--density");
+  refuse(!options.merge.empty(), "--merge");
+  refuse(!options.ground.empty(), "--ground");
+  refuse(options.fuse_smaller_than > 0, "--fuse-smaller-than");
+  refuse(options.deviation.has_value(), "--deviation");
+  refuse(options.joints, "--joints");
+  refuse(options.into.empty() && !options.materials.empty(), "--material without --into");
+}
+
 }  // namespace
 
 Imported import_urdf(const ImportOptions& options) {
@@ -98,7 +104,7 @@ Imported import_urdf(const ImportOptions& options) {
     imported.scene["mbd"]["couplers"] = std::move(couplers);
   const fs::path folder = options.output.empty() ? fs::path(".") : options.output.parent_path();
   if (options.into.empty()) {
-    note_shapes(*urdf.model, imported.notes);
+    add_graphics(*urdf.model, frames, options, folder, imported.scene["mbd"]["bodies"], imported.notes);
   } else {
     add_walls(*urdf.model, frames, options, folder, imported.scene["dem"], imported.notes);
   }
@@ -112,14 +118,23 @@ void import_model(const ImportOptions& options) {
     if (!options.output.empty() && !input.empty() && fs::equivalent(options.output, input, unknown))
       throw Error(ErrorCode::usage, "is an input of this import: it would be overwritten",
                   options.output.string(), "give another --output");
-  const Imported imported = import_urdf(options);
+  const bool is_step = format_of(options.model) == ModelFormat::step;
+  expect_options_of(is_step, options);
+  const Imported imported = is_step ? import_step(options) : import_urdf(options);
   std::string text;
   write(imported.scene, "", text);
+  for (const Imported::MeshFile& mesh : imported.files) {
+    fs::create_directories(mesh.file.parent_path());
+    replace_file(mesh.file, stl_bytes(mesh.mesh));
+  }
+  // The meshes are there now, as the checks of the scene want it.
+  if (is_step) validate(imported.scene, options.model.string(), options.output.parent_path());
   if (options.output.empty()) {
     fmt::print("{}\n", text);
   } else {
     replace_file(options.output, text + '\n');
   }
+  fmt::print("{}", imported.tables);
   for (const std::string& note : imported.notes) fmt::print(stderr, "not imported: {}\n", note);
 }
 

@@ -60,21 +60,26 @@ std::optional<Json> shape_of(const urdf::Geometry& geometry, const fs::path& mod
   }
 }
 
-void require_material(const Json& dem, const ImportOptions& options) {
+// The name of --material, which has to be one of the scene's.
+std::string wall_material(const Json& dem, const ImportOptions& options) {
+  if (options.materials.size() != 1)
+    throw Error(ErrorCode::usage, "a URDF model takes one material for all its walls", "--material",
+                "give one name of " + options.into.string());
+  const std::string& wanted = options.materials.front();
   std::vector<std::string> names;
   for (const Json& material : dem.value("materials", Json::array()))
     if (material.is_object()) names.push_back(material.value("name", ""));
-  if (std::find(names.begin(), names.end(), options.material) == names.end())
-    throw Error(ErrorCode::usage,
-                "there is no material '" + options.material + "' in " + options.into.string(), "--material",
-                suggest_name(options.material, names, "materials"));
+  if (std::find(names.begin(), names.end(), wanted) == names.end())
+    throw Error(ErrorCode::usage, "there is no material '" + wanted + "' in " + options.into.string(),
+                "--material", suggest_name(wanted, names, "materials"));
+  return wanted;
 }
 
 }  // namespace
 
 void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, const ImportOptions& options,
                const fs::path& folder, Json& dem, std::vector<std::string>& notes) {
-  require_material(dem, options);
+  const std::string material = wall_material(dem, options);
   for (const auto& [name, link] : model.links_) {
     const LinkFrame& frame = frames.at(name);
     if (!link->visual_array.empty())
@@ -100,7 +105,7 @@ void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, cons
       const std::string suffix = link->collision_array.size() > 1 ? fmt::format("_{}", i + 1) : "";
       dem["walls"].push_back({{"name", name + suffix},
                               {"body", frame.body},
-                              {"material", options.material},
+                              {"material", material},
                               {"position", list(q_BW.rotate(shape_in_world.p_WB - frame.p_WB))},
                               {"orientation", list((q_BW * shape_in_world.q_WB).normalized())},
                               {"shape", *shape}});
@@ -108,13 +113,41 @@ void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, cons
   }
 }
 
-void note_shapes(const urdf::ModelInterface& model, std::vector<std::string>& notes) {
+void add_graphics(const urdf::ModelInterface& model, const LinkFrames& frames, const ImportOptions& options,
+                  const fs::path& folder, Json& bodies, std::vector<std::string>& notes) {
   for (const auto& [name, link] : model.links_) {
-    if (!link->collision_array.empty())
+    const LinkFrame& frame = frames.at(name);
+    const bool has_walls = !link->collision_array.empty(), on_ground = frame.body == "ground";
+    if (has_walls && on_ground)
       notes.push_back("link '" + name +
                       "': <collision>: walls need particles, import --into a scene that has some");
-    if (!link->visual_array.empty())
+    if (!link->visual_array.empty() && (has_walls || on_ground))
       notes.push_back("link '" + name + "': <visual>: a scene draws the walls, made of <collision>");
+    if (on_ground) continue;
+    Json& body = *std::find_if(bodies.begin(), bodies.end(),
+                               [&](const Json& each) { return each["name"] == frame.body; });
+    const auto add = [&](const urdf::Geometry& geometry, const urdf::Pose& origin, std::size_t number) {
+      std::optional<Json> shape;
+      try {
+        shape = shape_of(geometry, options.model, folder);
+      } catch (const Error& error) {
+        // A picture is not worth an error: the machine moves without it.
+        notes.push_back("link '" + name + "': " + error.problem());
+      }
+      if (!shape) return;
+      const Pose in_world = frame.pose * pose_of(origin);
+      const Quat q_BW = frame.q_WB.conjugate();
+      body["shapes"].push_back({{"name", fmt::format("{}_{}", name, number)},
+                                {"use", "graphics"},
+                                {"position", list(q_BW.rotate(in_world.p_WB - frame.p_WB))},
+                                {"orientation", list((q_BW * in_world.q_WB).normalized())},
+                                {"shape", *shape}});
+    };
+    std::size_t number = 0;
+    for (const auto& collision : link->collision_array)
+      add(*collision->geometry, collision->origin, ++number);
+    if (!has_walls)
+      for (const auto& visual : link->visual_array) add(*visual->geometry, visual->origin, ++number);
   }
 }
 

@@ -11,7 +11,10 @@ void add_walls(const urdf::ModelInterface& model, const LinkFrames& frames, cons
                const std::filesystem::path& folder, nlohmann::ordered_json& dem,
                std::vector<std::string>& notes);
 
-// Notes the shapes that are left out of a scene without particles.
-void note_shapes(const urdf::ModelInterface& model, std::vector<std::string>& notes);
+// Without particles there are no walls: shapes of links that are bodies become shapes of those for pictures,
+// by <collision>, or by <visual> where a link has no other. Adds a note for each that is left out.
+void add_graphics(const urdf::ModelInterface& model, const LinkFrames& frames, const ImportOptions& options,
+                  const std::filesystem::path& folder, nlohmann::ordered_json& bodies,
+                  std::vector<std::string>& notes);
 
 }  // namespace tandem::launch

@@ -17,6 +17,7 @@
 #include "common/input_file.hpp"
 #include "common/utf8.hpp"
 #include "launch/mesh_import/obj_file.hpp"
+#include "launch/mesh_import/raw_mesh.hpp"
 #include "launch/mesh_import/stl_file.hpp"
 
 namespace tandem::launch {
@@ -101,7 +102,7 @@ class Joiner {
 
 }  // namespace
 
-TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
+TriangleMesh read_raw_mesh(const std::filesystem::path& file, double scale) {
   const std::string ending = require_format(file);
   try {
     expect_input(file, {.largest = largest_mesh, .hint = "check the path"});
@@ -121,11 +122,16 @@ TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
   Joiner joiner(file, mesh, scale);
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) joiner.add(*scene->mMeshes[i]);
   if (mesh.triangles.empty()) fail(file, "the mesh holds no triangle", "export it as a surface mesh");
+  return mesh;
+}
+
+TriangleMesh import_mesh(const std::filesystem::path& file, double scale) {
+  TriangleMesh mesh = read_raw_mesh(file, scale);
   if (const auto bad = degenerate_triangles(mesh); !bad.empty())
     fail(file,
          std::to_string(bad.size()) + " of " + std::to_string(mesh.triangles.size()) +
              " triangles have no area, the first is number " + std::to_string(bad.front() + 1),
-         "repair the mesh in the program that made it");
+         "repair the mesh in the program that made it, or by tandem mesh repair");
   return mesh;
 }
 

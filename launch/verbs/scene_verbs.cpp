@@ -26,6 +26,13 @@ std::string stiffness_fault(const std::string& text) {
              : "'" + shortened(text) + "' is no finite number > 0";
 }
 
+std::string length_fault(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0
+             ? std::string()
+             : "'" + shortened(text) + "' is no finite length > 0 in metres";
+}
+
 // Options of the verbs that make a dry run.
 struct Start {
   RunOptions options;
@@ -137,22 +144,42 @@ void add_modes(CLI::App& app) {
 }
 
 void add_import(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("import", "Make a scene of a URDF model");
+  CLI::App* verb = app.add_subcommand("import", "Make a scene of a STEP or URDF model");
   auto options = std::make_shared<ImportOptions>();
-  verb->add_option("model", options->model, "URDF file")->required();
-  verb->add_option("-o,--output", options->output, "Scene file; without it the scene is printed");
+  const auto add_list = [&](const char* name, std::vector<std::string>& values, const char* meaning) {
+    return verb->add_option(name, values, meaning)->allow_extra_args(false);
+  };
+  verb->add_option("model", options->model, "STEP or URDF file")->required();
+  verb->add_option("-o,--output", options->output, "Scene file; of URDF, without it the scene is printed");
   CLI::Option* into = verb->add_option("--into", options->into,
                                        "Scene with particles that takes the bodies, joints and walls");
-  CLI::Option* material = verb->add_option("--material", options->material,
-                                           "Material of the walls, a name of the scene of --into");
+  CLI::Option* material = add_list(
+      "--material", options->materials,
+      "URDF: material of the walls, a name of the scene of --into. STEP: of the parts that a pattern "
+      "matches, "
+      "PATTERN=NAME, of that scene or of docs/materials.md, for their density; may be given several times");
   into->needs(material);
-  material->needs(into);
-  verb->add_flag("--free-root", options->free_root, "The root link is free, not fixed to the ground");
+  verb->add_flag("--free-root", options->free_root, "URDF: the root link is free, not fixed to the ground");
   auto stops = std::make_shared<std::vector<double>>();
-  verb->add_option("--stops", *stops,
-                   "Stiffness of the stops of joints with limits: of angles [N m/rad], of lengths [N/m]")
+  verb->add_option(
+          "--stops", *stops,
+          "URDF: stiffness of the stops of joints with limits: of angles [N m/rad], of lengths [N/m]")
       ->expected(2)
       ->check(stiffness_fault);
+  add_list("--density", options->densities, "STEP: density of parts, PATTERN=VALUE [kg/m3]");
+  add_list("--merge", options->merge, "STEP: each assembly that the pattern matches becomes one body");
+  add_list("--ground", options->ground, "STEP: bodies with a part that the pattern matches are fixed");
+  verb->add_option("--fuse-smaller-than", options->fuse_smaller_than,
+                   "STEP: parts with a shorter diagonal become part of the heaviest body that they touch [m]")
+      ->check(length_fault);
+  verb->add_option(
+          "--deviation", options->deviation,
+          "STEP: largest distance of mesh and surface [m]; without it 1/1000 of the diagonal of each part")
+      ->check(length_fault);
+  verb->add_flag("--joints", options->joints, "STEP: write the proposed joints into the scene");
+  verb->add_option("--least-confidence", options->least_confidence, "STEP: of the joints that are written")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   verb->callback([=] {
     if (!stops->empty()) options->stops = StopStiffness{stops->at(0), stops->at(1)};
     import_model(*options);

@@ -15,6 +15,7 @@ void add_describe(CLI::App& app);
 void add_preview(CLI::App& app);
 void add_modes(CLI::App& app);
 void add_import(CLI::App& app);
+void add_mesh(CLI::App& app, int& status);
 
 // Of runs and their results.
 void add_movie(CLI::App& app);

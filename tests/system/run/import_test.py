@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """`tandem import`: an imported model runs, and moves as the same model written by hand."""
 import csv
+import json
+import math
 import subprocess
 
 import harness
@@ -35,6 +37,29 @@ class Import(Case):
               f"largest difference {worst:.1e} (limit 1e-9)")
         self.assertGreater(abs(float(by_hand["hinge.q"])), 0.5)
         self.assertLess(worst, 1e-9)
+
+    def test_slider_crank_of_a_step_file_turns(self):
+        if not (options.bin / "tandem_step").exists():
+            self.skipTest("this build reads no STEP files: OpenCASCADE was not found")
+        scene = self.folder / "crank.json"
+        step = harness.SCENES.parents[2] / "tests" / "unit" / "import" / "step" / "slider_crank.step"
+        said, _ = self.say(step, "-o", scene, "--material", "steel", "--fuse-smaller-than", "0.06", "--ground", "frame", "--joints")
+        self.assertIn("8 parts of 7 shapes, 5 bodies", said)
+        machine = json.loads(scene.read_text())
+        for joint in machine["mbd"]["joints"]:
+            if joint["name"] == "bearing_block_crank":
+                joint["motion"] = {"type": "constant", "value": 0, "rate": 10}
+        scene.write_text(json.dumps(machine))
+        self.run_scene(scene, out=self.folder / "crank")
+        with open(self.folder / "crank" / "bodies.csv", newline="") as bodies:
+            rows = list(csv.DictReader(bodies))
+        # From 60 degrees the crank turns about y, from z to x, by 10 rad/s.
+        slider = lambda angle: 0.05 * math.cos(angle) + math.sqrt(0.2**2 - (0.05 * math.sin(angle))**2)
+        at = lambda row: slider(math.pi / 3 - 10 * float(row["time"]))
+        moved = float(rows[-1]["slider.position.x"]) - float(rows[0]["slider.position.x"])
+        expected = at(rows[-1]) - at(rows[0])
+        print(f"\n  slider moved by {moved:.9f} m, expected {expected:.9f} (tolerance 1e-8)")
+        self.assertAlmostEqual(moved, expected, delta=1e-8)
 
     def test_scene_goes_to_standard_output(self):
         scene, notes = self.say(harness.SCENES / "two_links.urdf")

@@ -112,8 +112,8 @@ TEST(Sph, WallsOfTheSameNameAreOneSurface) {
 
 const WrongScene wrong_sph[] = {
     {"NoDensity", SPH(R"({"name": "water", "viscosity": 0, "fill": []})", ""),
-     "sph.liquids[0]: the key 'density' is missing (add density: density without pressure, from 50 to 25,000 "
-     "[kg/m3])"},
+     "sph.liquids[0]: the key 'density' is missing (add density, or use a name of docs/materials.md, whose "
+     "figures are known)"},
     {"TwoLiquids",
      SPH(LIQUID("") R"(, {"name": "oil", "density": 900, "viscosity": 0.1,
          "fill": [{"type": "box", "min": [0, 0, 0.2], "max": [0.2, 0.2, 0.3]}]})",

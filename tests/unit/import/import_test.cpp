@@ -98,8 +98,25 @@ TEST_F(Import, WhatASceneCannotSayIsTold) {
           "joint 'j': velocity limit 4 rad/s: there is no drive to limit",
           "joint 'j': <safety_controller>: a scene has no controllers",
           "joint 'j': <calibration>: a scene has no encoders",
-          "link 'b': <collision>: walls need particles, import --into a scene that has some",
           "link 'b': <visual>: a scene draws the walls, made of <collision>"));
+}
+
+TEST_F(Import, ShapesStayForPicturesWithoutParticles) {
+  put("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const Imported it = import(link("a", R"(<collision><geometry><box size="1 1 1"/></geometry></collision>)") +
+                             link("b", R"(<inertial><origin xyz="0 0 0.5"/><mass value="1"/>
+                   <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+                   <visual><origin xyz="1 0 0"/><geometry><mesh filename="tetra.obj"/></geometry></visual>
+                   <visual><geometry><mesh filename="package://none/x.stl"/></geometry></visual>)") +
+                             joint("continuous", ""));
+  const auto& shapes = it.scene["mbd"]["bodies"][0]["shapes"];
+  ASSERT_EQ(shapes.size(), 1u);
+  EXPECT_EQ(shapes[0]["use"], "graphics");
+  EXPECT_EQ(shapes[0]["shape"]["file"], "tetra.obj");
+  expect_numbers(shapes[0]["position"], {1, 0, -0.5});
+  EXPECT_THAT(it.notes,
+              ElementsAre("link 'a': <collision>: walls need particles, import --into a scene that has some",
+                          HasSubstr("link 'b': the mesh 'package://none/x.stl' is not found")));
 }
 
 TEST_F(Import, LimitsBecomeStopsOfTheStiffnessThatIsGiven) {
@@ -175,7 +192,7 @@ TEST_F(Import, CollisionShapesBecomeWalls) {
   put("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   ImportOptions options;
   options.into = folder_ / "bed.json";
-  options.material = "steel";
+  options.materials = {"steel"};
   const std::string mass = R"(<inertial><origin xyz="0 0 0.5"/><mass value="1"/>
       <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>)";
   const std::string name = folder_.filename().string();

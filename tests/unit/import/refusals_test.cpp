@@ -112,7 +112,7 @@ TEST_F(Refusals, Shapes) {
       R"({"tandem": "1.0", "name": "bed", "end_time": 1, "dem": {"materials": [{"name": "steel"}]}})");
   ImportOptions options;
   options.into = folder_ / "bed.json";
-  options.material = "steel";
+  options.materials = {"steel"};
   const auto shape = [](const std::string& geometry) {
     return link("a", unit_inertial + "<collision><geometry>" + geometry + "</geometry></collision>");
   };
@@ -131,7 +131,7 @@ TEST_F(Refusals, Shapes) {
             "m.urdf: link 'a': the mesh 'package://robots/a.stl' is not found (there is no folder 'robots' "
             "above the "
             "model)");
-  options.material = "stel";
+  options.materials = {"stel"};
   EXPECT_EQ(refusal(shape(R"(<box size="1 1 1"/>)"), options),
             "--material: there is no material 'stel' in bed.json (did you mean 'steel'?)");
 }

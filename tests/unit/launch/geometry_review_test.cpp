@@ -216,7 +216,8 @@ TEST(GeometryReview, AMeshMuchFinerThanSpheresNeed) {
       ElementsAre(
           "wall \"funnel\" has 20000 triangles, with sides of some 0.0027 m, for spheres of radius 0.02 "
           "m: one at the wall is compared with some 3.6e+03 of them, 36 us of a core in every micro step; "
-          "sides of about the radius are enough, 3.6e+02 triangles: decimate funnel.stl"));
+          "sides of about the radius are enough, 3.6e+02 triangles: tandem mesh coarsen funnel.stl "
+          "-o coarse.stl --deviation 0.0002"));
 }
 
 TEST(GeometryReview, BodiesPassThroughEachOther) {

@@ -227,7 +227,7 @@ TEST_F(MeshImport, TrianglesWithoutArea) {
   EXPECT_EQ(verdict(write("bad.stl", binary_stl(mesh))),
             path("bad.stl").string() +
                 ": 1 of 13 triangles have no area, the first is number 13 (repair the mesh in the program "
-                "that made it)");
+                "that made it, or by tandem mesh repair)");
 }
 
 TEST_F(MeshImport, CornerThatIsNoNumber) {

@@ -1,0 +1,173 @@
+#include "common/scene/material_values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/scene/fault.hpp"
+#include "common/scene/material_library.hpp"
+
+namespace tandem::scene {
+namespace material_values {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+// The value of a string of an object; empty where there is none. The schema is checked later.
+std::string word(const json& object, const char* key) {
+  return object.is_object() && object.contains(key) && object[key].is_string()
+             ? object[key].get<std::string>()
+             : "";
+}
+
+// Elements of a list of an object; none where there is no such list.
+std::vector<json*> elements(json& object, const char* key) {
+  std::vector<json*> all;
+  if (object.is_object() && object.contains(key) && object[key].is_array())
+    for (json& element : object[key]) all.push_back(&element);
+  return all;
+}
+
+class Filler {
+ public:
+  Filler(json& document, const std::string& origin) : document_(document), origin_(origin) {}
+
+  std::vector<Parameter> fill() {
+    if (document_.contains("dem") && document_["dem"].is_object()) fill_grains(document_["dem"]);
+    if (document_.contains("sph")) fill_liquids(document_["sph"]);
+    return std::move(taken_);
+  }
+
+ private:
+  void take(json& object, const char* key, double value, const std::string& name, const char* unit) {
+    object[key] = value;
+    taken_.push_back({name + "." + key, value, unit});
+  }
+
+  void take_figure(json& object, const char* key, const std::optional<double>& value,
+                   const LibraryMaterial& material, const char* unit, const std::string& path) {
+    if (object.contains(key)) return;
+    if (!value)
+      fail(origin_, path,
+           fmt::format("the library has no '{}' of the {} '{}'", key, material.kind, material.name),
+           fmt::format("give {} in the list of materials; docs/materials.md says what the library has", key));
+    take(object, key, *value, material.name, unit);
+  }
+
+  void complete(json& object, const LibraryMaterial& material, const std::string& path) {
+    take_figure(object, "density", material.density, material, "kg/m3", path);
+    take_figure(object, "young", material.young, material, "Pa", path);
+    take_figure(object, "poisson", material.poisson, material, "-", path);
+    completed_.emplace_back(material.name);
+  }
+
+  void fill_grains(json& dem) {
+    std::vector<std::string> listed;
+    std::size_t number = 0;
+    for (json* object : elements(dem, "materials")) {
+      const std::string name = word(*object, "name"), path = fmt::format("dem.materials[{}]", number++);
+      listed.push_back(name);
+      const LibraryMaterial* material = find_library_material(name);
+      const auto lacks = [&](const char* key) { return !object->contains(key); };
+      if (material && (lacks("density") || lacks("young") || lacks("poisson")))
+        complete(*object, *material, path);
+    }
+    const auto use = [&](const json& user, const std::string& path) {
+      const std::string name = word(user, "material");
+      const LibraryMaterial* material = find_library_material(name);
+      if (!material || std::ranges::find(listed, name) != listed.end()) return;
+      json object{{"name", name}};
+      complete(object, *material, path + ".material");
+      dem["materials"].push_back(std::move(object));
+      listed.push_back(name);
+    };
+    for (const char* list : {"particles", "walls"}) {
+      number = 0;
+      for (const json* user : elements(dem, list)) use(*user, fmt::format("dem.{}[{}]", list, number++));
+    }
+    if (document_.contains("mbd")) {
+      number = 0;
+      for (json* body : elements(document_["mbd"], "bodies")) {
+        std::size_t shapes = 0;
+        for (const json* shape : elements(*body, "shapes")) {
+          const std::string path = fmt::format("mbd.bodies[{}].shapes[{}]", number, shapes++);
+          if (word(*shape, "use") == "wall") use(*shape, path);
+        }
+        ++number;
+      }
+    }
+    for (std::size_t i = 0; i < completed_.size(); ++i)
+      for (std::size_t k = i; k < completed_.size(); ++k) fill_pair(dem, completed_[i], completed_[k]);
+  }
+
+  // What the scene says of the pair, or of both materials, stays.
+  void fill_pair(json& dem, const std::string& a, const std::string& b) {
+    const LibraryPair* known = find_library_pair(a, b);
+    if (!known) return;
+    const auto gives = [&](const std::string& name, const char* key) {
+      return std::ranges::any_of(elements(dem, "materials"), [&](const json* object) {
+        return word(*object, "name") == name && object->contains(key);
+      });
+    };
+    json* pair = nullptr;
+    for (json* each : elements(dem, "pairs"))
+      if ((word(*each, "a") == a && word(*each, "b") == b) ||
+          (word(*each, "a") == b && word(*each, "b") == a))
+        pair = each;
+    json added{{"a", a}, {"b", b}};
+    json& target = pair ? *pair : added;
+    const auto add = [&](const char* key, const std::optional<double>& value) {
+      if (!value || target.contains(key) || (gives(a, key) && gives(b, key))) return;
+      take(target, key, *value, a + "-" + b, "-");
+    };
+    add("restitution", known->restitution);
+    add("friction", known->friction);
+    if (pair || added.size() == 2) return;
+    for (const char* key : {"restitution", "friction"})
+      if (!added.contains(key) && !(gives(a, key) && gives(b, key)) && meet(dem, a, b))
+        fail(origin_, "dem.pairs", fmt::format("the library has no {} of '{}' on '{}'", key, a, b),
+             fmt::format(R"(add {{"a": "{}", "b": "{}", "{}": ...}} to dem.pairs)", a, b, key));
+    dem["pairs"].push_back(std::move(added));
+  }
+
+  // Is one of them that of particles, under a law that needs restitution and friction?
+  static bool meet(json& dem, const std::string& a, const std::string& b) {
+    const std::string law = word(dem, "contact");
+    if (law == "paper" || law == "hertz_frictionless") return false;
+    return std::ranges::any_of(elements(dem, "particles"), [&](const json* group) {
+      const std::string name = word(*group, "material");
+      return name == a || name == b;
+    });
+  }
+
+  void fill_liquids(json& sph) {
+    std::size_t number = 0;
+    for (json* liquid : elements(sph, "liquids")) {
+      const std::string path = fmt::format("sph.liquids[{}]", number++);
+      const LibraryMaterial* material = find_library_material(word(*liquid, "name"));
+      if (!material || !material->viscosity) continue;
+      take_figure(*liquid, "density", material->density, *material, "kg/m3", path);
+      take_figure(*liquid, "viscosity", material->viscosity, *material, "Pa s", path);
+    }
+  }
+
+  json& document_;
+  const std::string& origin_;
+  std::vector<std::string> completed_;  // materials of grains
+  std::vector<Parameter> taken_;
+};
+
+}  // namespace
+}  // namespace material_values
+
+bool may_use_library(const std::string& text) {
+  return std::ranges::any_of(library_materials(), [&](const LibraryMaterial& material) {
+    return text.find(fmt::format("\"{}\"", material.name)) != std::string::npos;
+  });
+}
+
+std::vector<Parameter> put_in_materials(nlohmann::ordered_json& document, const std::string& origin) {
+  return material_values::Filler(document, origin).fill();
+}
+
+}  // namespace tandem::scene

@@ -1,0 +1,296 @@
+#include "launch/mesh_tools/mesh_repair.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "common/geometry/triangle_tree.hpp"
+#include "launch/mesh_import/mesh_facts.hpp"
+
+namespace tandem::launch {
+namespace mesh_repair {
+
+using Vertex = std::uint32_t;
+using Corners = std::array<Vertex, 3>;
+using Edge = std::pair<Vertex, Vertex>;  // the lower vertex first
+
+Edge edge_of(Vertex a, Vertex b) {
+  return std::minmax(a, b);
+}
+
+class Repair {
+ public:
+  Repair(const TriangleMesh& mesh, const RepairOptions& options) : mesh_(mesh) {
+    diagonal_ = facts_of(mesh).diagonal();
+    tolerance_ = options.weld.value_or(1e-5 * diagonal_);
+    widest_ = options.fill.value_or(1e300);
+  }
+
+  RepairedMesh run() {
+    weld();
+    drop_empty_and_double();
+    divide_edges();
+    drop_empty_and_double();
+    wind();
+    fill_openings();
+    point_outwards();
+    return {std::move(mesh_), std::move(done_), 0};
+  }
+
+ private:
+  void say(std::size_t number, const std::string& what) {
+    if (number > 0) done_.push_back(fmt::format("{} {}", number, what));
+  }
+
+  // One vertex for all within the tolerance of it, in the order of the file.
+  void weld() {
+    using Cell = std::array<double, 3>;
+    const double width = 4 * tolerance_;
+    std::multimap<Cell, Vertex> cells;
+    std::vector<Vertex> number;
+    TriangleMesh all;
+    const auto cell_of = [&](Vec3d x) {
+      return Cell{std::floor(x.x / width), std::floor(x.y / width), std::floor(x.z / width)};
+    };
+    const auto number_of = [&](Vec3d v) {
+      const Vec3d margin{tolerance_, tolerance_, tolerance_};
+      const Cell low = cell_of(v - margin), high = cell_of(v + margin);
+      for (double x = low[0]; x <= high[0]; ++x)
+        for (double y = low[1]; y <= high[1]; ++y)
+          for (double z = low[2]; z <= high[2]; ++z)
+            for (auto [at, end] = cells.equal_range({x, y, z}); at != end; ++at)
+              if (norm(all.vertices[at->second] - v) <= tolerance_) return at->second;
+      all.vertices.push_back(v);
+      cells.emplace(cell_of(v), static_cast<Vertex>(all.vertices.size() - 1));
+      return static_cast<Vertex>(all.vertices.size() - 1);
+    };
+    for (const Vec3d& v : mesh_.vertices) number.push_back(number_of(v));
+    for (const auto& [a, b, c] : mesh_.triangles) all.triangles.push_back({number[a], number[b], number[c]});
+    say(mesh_.vertices.size() - all.vertices.size(),
+        fmt::format("corners joined with others within {:.3g} m", tolerance_));
+    mesh_ = std::move(all);
+  }
+
+  void drop_empty_and_double() {
+    std::set<Corners> known;
+    std::vector<Corners> kept;
+    std::size_t empty = 0, doubles = 0;
+    const std::vector<std::size_t> degenerate = degenerate_triangles(mesh_);
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      Corners sorted = mesh_.triangles[t];
+      std::ranges::sort(sorted);
+      const bool has_area =
+          sorted[0] != sorted[1] && sorted[1] != sorted[2] && !std::ranges::binary_search(degenerate, t);
+      if (!has_area)
+        ++empty;
+      else if (!known.insert(sorted).second)
+        ++doubles;
+      else
+        kept.push_back(mesh_.triangles[t]);
+    }
+    mesh_.triangles = std::move(kept);
+    say(empty, "triangles without area left out");
+    say(doubles, "duplicate triangles left out");
+  }
+
+  std::map<Edge, std::vector<std::size_t>> triangles_at_edges() const {
+    std::map<Edge, std::vector<std::size_t>> at;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i)
+        at[edge_of(mesh_.triangles[t][i], mesh_.triangles[t][(i + 1) % 3])].push_back(t);
+    return at;
+  }
+
+  // Open edges with corners of other open edges on them: their triangle is divided there.
+  void divide_edges() {
+    std::size_t divided = 0;
+    for (bool changed = true; changed;) {
+      changed = false;
+      std::vector<std::pair<Edge, std::size_t>> open;
+      std::set<Vertex> ends;
+      for (const auto& [edge, triangles] : triangles_at_edges())
+        if (triangles.size() == 1) {
+          open.emplace_back(edge, triangles.front());
+          ends.insert({edge.first, edge.second});
+        }
+      std::set<std::size_t> touched;
+      for (const auto& [edge, t] : open) {
+        const Vec3d from = mesh_.vertices[edge.first], along = mesh_.vertices[edge.second] - from;
+        std::optional<std::pair<double, Vertex>> nearest;
+        for (const Vertex v : ends) {
+          if (v == edge.first || v == edge.second) continue;
+          const double share = dot(mesh_.vertices[v] - from, along) / norm2(along);
+          if (share <= 0 || share >= 1 || norm(from + share * along - mesh_.vertices[v]) > tolerance_)
+            continue;
+          if (!nearest || share < nearest->first) nearest = {share, v};
+        }
+        if (!nearest || !touched.insert(t).second) continue;
+        Corners& one = mesh_.triangles[t];
+        if (std::ranges::find(one, nearest->second) != one.end()) continue;
+        Corners other = one;
+        *std::ranges::find(one, edge.second) = nearest->second;
+        *std::ranges::find(other, edge.first) = nearest->second;
+        mesh_.triangles.push_back(other);
+        ++divided;
+        changed = true;
+      }
+    }
+    say(divided, "triangles divided at corners on their edges");
+  }
+
+  // Each connected part winds as its first triangle does; parts join over edges of two triangles.
+  void wind() {
+    const auto at = triangles_at_edges();
+    part_.assign(mesh_.triangles.size(), SIZE_MAX);
+    std::size_t turned = 0;
+    parts_ = 0;
+    for (std::size_t first = 0; first < part_.size(); ++first) {
+      if (part_[first] != SIZE_MAX) continue;
+      std::vector<std::size_t> open{first};
+      part_[first] = parts_;
+      while (!open.empty()) {
+        const std::size_t t = open.back();
+        open.pop_back();
+        const Corners own = mesh_.triangles[t];
+        for (std::size_t i = 0; i < 3; ++i) {
+          const Vertex a = own[i], b = own[(i + 1) % 3];
+          const auto& both = at.at(edge_of(a, b));
+          if (both.size() != 2) continue;
+          const std::size_t other = both[0] == t ? both[1] : both[0];
+          if (part_[other] != SIZE_MAX) continue;
+          Corners& next = mesh_.triangles[other];
+          for (std::size_t k = 0; k < 3; ++k)
+            if (next[k] == a && next[(k + 1) % 3] == b) {
+              std::swap(next[1], next[2]);
+              ++turned;
+              break;
+            }
+          part_[other] = parts_;
+          open.push_back(other);
+        }
+      }
+      ++parts_;
+    }
+    say(turned, "triangles turned, to wind as their neighbours");
+  }
+
+  // Loops of open edges, against their triangles' direction.
+  void fill_openings() {
+    std::map<Vertex, std::vector<std::pair<Vertex, std::size_t>>> next;  // and the part of the triangle
+    for (const auto& [edge, triangles] : triangles_at_edges()) {
+      if (triangles.size() != 1) continue;
+      const Corners& t = mesh_.triangles[triangles.front()];
+      for (std::size_t i = 0; i < 3; ++i)
+        if (edge_of(t[i], t[(i + 1) % 3]) == edge)
+          next[t[(i + 1) % 3]].emplace_back(t[i], part_[triangles.front()]);
+    }
+    std::size_t filled = 0, left = 0;
+    double widest = 0;
+    while (!next.empty()) {
+      std::vector<Vertex> path{next.begin()->first};
+      std::size_t part = 0;
+      std::optional<std::vector<Vertex>> loop;
+      while (!loop) {
+        const auto at = next.find(path.back());
+        if (at == next.end()) break;  // the open edges do not close: three triangles meet there
+        const auto [to, of] = at->second.back();
+        part = of;
+        at->second.pop_back();
+        if (at->second.empty()) next.erase(at);
+        if (const auto begin = std::ranges::find(path, to); begin != path.end())
+          loop = std::vector<Vertex>(begin, path.end());
+        else
+          path.push_back(to);
+      }
+      if (!loop || loop->size() < 3) {
+        ++left;
+        continue;
+      }
+      // What of the path is before the loop is put back.
+      for (std::size_t i = 0; i + loop->size() < path.size(); ++i)
+        next[path[i]].emplace_back(path[i + 1], part);
+      const double width = width_of(*loop);
+      if (width > widest_) {
+        ++left;
+        continue;
+      }
+      fill(*loop, part);
+      widest = std::max(widest, width);
+      ++filled;
+    }
+    if (filled > 0) done_.push_back(fmt::format("{} openings filled, the widest {:.3g} m", filled, widest));
+    if (left > 0) done_.push_back(fmt::format("{} openings left as they are", left));
+  }
+
+  // 4 area / length, as MeshFacts says.
+  double width_of(const std::vector<Vertex>& loop) const {
+    Vec3d area;
+    double length = 0;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec3d a = mesh_.vertices[loop[i]], b = mesh_.vertices[loop[(i + 1) % loop.size()]];
+      area = area + 0.5 * cross(a - mesh_.vertices[loop[0]], b - mesh_.vertices[loop[0]]);
+      length += norm(b - a);
+    }
+    return 4 * norm(area) / length;
+  }
+
+  void fill(const std::vector<Vertex>& loop, std::size_t part) {
+    const auto add = [&](Vertex a, Vertex b, Vertex c) {
+      mesh_.triangles.push_back({a, b, c});
+      part_.push_back(part);
+    };
+    if (loop.size() == 3) return add(loop[0], loop[1], loop[2]);
+    Vec3d middle;
+    for (const Vertex v : loop)
+      middle = middle + (1.0 / static_cast<double>(loop.size())) * mesh_.vertices[v];
+    const auto centre = static_cast<Vertex>(mesh_.vertices.size());
+    mesh_.vertices.push_back(middle);
+    for (std::size_t i = 0; i < loop.size(); ++i) add(loop[i], loop[(i + 1) % loop.size()], centre);
+  }
+
+  // Closed parts enclose a positive volume. A part inside another one may be a cavity: it stays as the file
+  // has it.
+  void point_outwards() {
+    if (parts_ != 1) return;
+    const std::optional<double> volume = facts_of(mesh_).volume;
+    if (!volume || *volume > 0) return;
+    for (Corners& t : mesh_.triangles) std::swap(t[1], t[2]);
+    done_.emplace_back("all triangles turned outwards");
+  }
+
+  TriangleMesh mesh_;
+  double diagonal_ = 0, tolerance_ = 0, widest_ = 0;  // [m]
+  std::vector<std::size_t> part_;                     // (triangles)
+  std::size_t parts_ = 0;
+  std::vector<std::string> done_;
+};
+
+double distance_to(const TriangleMesh& from, const TriangleTree& to) {
+  double largest = 0;
+  const auto look = [&](Vec3d x) {
+    if (const auto nearest = to.nearest(x, 1e300)) largest = std::max(largest, nearest->distance);
+  };
+  for (const auto& [i, j, k] : from.triangles) {
+    const Vec3d a = from.vertices[i], b = from.vertices[j], c = from.vertices[k];
+    for (const Vec3d x : {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (1.0 / 3) * (a + b + c)})
+      look(x);
+  }
+  return largest;
+}
+
+}  // namespace mesh_repair
+
+double distance_between(const TriangleMesh& a, const TriangleMesh& b) {
+  return std::max(mesh_repair::distance_to(a, TriangleTree(b)), mesh_repair::distance_to(b, TriangleTree(a)));
+}
+
+RepairedMesh repaired(const TriangleMesh& mesh, const RepairOptions& options) {
+  RepairedMesh result = mesh_repair::Repair(mesh, options).run();
+  if (!result.mesh.triangles.empty()) result.deviation = distance_between(mesh, result.mesh);
+  return result;
+}
+
+}  // namespace tandem::launch

@@ -1,0 +1,142 @@
+// Ten bad meshes of known solids: what is found, and what repair makes of them. Coarsening to a stated
+// deviation.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/geometry/coarse_mesh.hpp"
+#include "launch/mesh_tools/mesh_check.hpp"
+#include "launch/mesh_tools/mesh_repair.hpp"
+
+namespace tandem::launch {
+namespace mesh_tools_test {
+
+using testing::HasSubstr;
+
+const TriangleMesh cube = box_mesh({1, 1, 1});
+const TriangleMesh ball = sphere_mesh(1, 48);
+
+TriangleMesh with(TriangleMesh mesh, const TriangleMesh& other, Vec3d by = {}) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const Vec3d& v : other.vertices) mesh.vertices.push_back(v + by);
+  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({a + first, b + first, c + first});
+  return mesh;
+}
+
+// Every triangle with corners of its own.
+TriangleMesh soup_of(const TriangleMesh& mesh, double shift) {
+  TriangleMesh soup;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : mesh.triangles[t])
+      soup.vertices.push_back(mesh.vertices[v] + Vec3d{t % 2 == 0 ? shift : 0, 0, 0});
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+struct BadMesh {
+  const char* name;
+  TriangleMesh mesh;
+  double volume;     // of the solid that is meant [m3]
+  double tolerance;  // of the volume [m3]
+  double moves;      // bound of the deviation [m]
+  const char* said;  // part of what repair says
+};
+
+std::vector<BadMesh> bad_meshes() {
+  const double volume_of_ball = *facts_of(ball).volume;
+  std::vector<BadMesh> all;
+  TriangleMesh mesh = cube;
+  mesh.triangles.pop_back();
+  all.push_back({"a triangle is missing", mesh, 1, 1e-12, 0.5, "1 openings filled"});
+  mesh = cube;
+  std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
+  all.push_back({"a triangle is flipped", mesh, 1, 1e-12, 1e-12, "1 triangles turned"});
+  mesh = cube;
+  mesh.triangles.push_back(mesh.triangles[3]);
+  all.push_back({"a triangle is there twice", mesh, 1, 1e-12, 1e-12, "1 duplicate triangles"});
+  mesh = cube;
+  mesh.triangles.push_back({0, 1, 1});
+  all.push_back({"a triangle has no area", mesh, 1, 1e-12, 1e-12, "1 triangles without area"});
+  mesh = cube;
+  for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
+  all.push_back({"inside out", mesh, 1, 1e-12, 1e-12, "all triangles turned outwards"});
+  all.push_back({"corners are not joined", soup_of(cube, 1e-6), 1, 1e-5, 2e-6, "corners joined"});
+  // The lower half has a corner in the middle of an edge of the upper one.
+  TriangleMesh halves;
+  halves = with(
+      box_mesh({1, 1, 1}, {"+z"}),
+      TriangleMesh{{{-0.5, -0.5, 0.5}, {0, -0.5, 0.5}, {0.5, -0.5, 0.5}, {0.5, 0.5, 0.5}, {-0.5, 0.5, 0.5}},
+                   {{0, 1, 4}, {1, 3, 4}, {1, 2, 3}}});
+  all.push_back({"a corner lies on an edge", halves, 1, 1e-12, 1e-12, "1 triangles divided"});
+  all.push_back({"both ends are open", cylinder_mesh(1, 1, 64, {"-z", "+z"}),
+                 0.5 * 64 * std::sin(2 * std::numbers::pi / 64), 1e-9, 1.1, "2 openings filled"});
+  mesh = ball;
+  mesh.triangles.erase(mesh.triangles.begin() + 500, mesh.triangles.begin() + 502);
+  mesh.triangles.erase(mesh.triangles.begin() + 100, mesh.triangles.begin() + 101);
+  all.push_back({"a ball with holes", mesh, volume_of_ball, 2e-3, 0.1, "openings filled"});
+  mesh = soup_of(ball, 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 7)
+    std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);
+  mesh.triangles.push_back(mesh.triangles[0]);
+  mesh.triangles.erase(mesh.triangles.begin() + 300);
+  all.push_back({"all of it", mesh, volume_of_ball, 2e-3, 0.1, "corners joined"});
+  return all;
+}
+
+TEST(MeshRepair, TenBadMeshesBecomeWatertight) {
+  std::printf("  %-26s %12s %12s %10s\n", "mesh", "volume", "expected", "moved");
+  for (const BadMesh& bad : bad_meshes()) {
+    SCOPED_TRACE(bad.name);
+    EXPECT_FALSE(faults_of(bad.mesh).is_sound());
+    const RepairedMesh result = repaired(bad.mesh, {});
+    const MeshFaults left = faults_of(result.mesh);
+    EXPECT_TRUE(left.is_sound()) << report_of(left, bad.name);
+    ASSERT_TRUE(left.facts.volume.has_value());
+    std::printf("  %-26s %12.9f %12.9f %10.2g\n", bad.name, *left.facts.volume, bad.volume, result.deviation);
+    EXPECT_NEAR(*left.facts.volume, bad.volume, bad.tolerance);
+    EXPECT_LE(result.deviation, bad.moves);
+    std::string said;
+    for (const std::string& line : result.done) said += line + "\n";
+    EXPECT_THAT(said, HasSubstr(bad.said));
+  }
+}
+
+TEST(MeshRepair, ASoundMeshStaysAndWideOpeningsMay) {
+  const RepairedMesh same = repaired(ball, {});
+  EXPECT_TRUE(same.done.empty());
+  EXPECT_EQ(same.mesh.triangles, ball.triangles);
+  EXPECT_LE(same.deviation, 1e-14);
+  const RepairedMesh open = repaired(cylinder_mesh(1, 1, 64, {"+z"}), {.weld = {}, .fill = 0.5});
+  EXPECT_THAT(open.done, testing::ElementsAre("1 openings left as they are"));
+}
+
+TEST(MeshCheck, FindsSelfIntersectionsAndSlivers) {
+  const MeshFaults crossed = faults_of(with(cube, cube, {0.5, 0.4, 0.3}));
+  EXPECT_GT(crossed.intersections, 0u);
+  EXPECT_THAT(report_of(crossed, "x.stl"), HasSubstr("self-intersections"));
+  EXPECT_EQ(faults_of(with(cube, cube, {1.5, 0, 0})).intersections, 0u);
+  EXPECT_EQ(faults_of(ball).intersections, 0u);
+  EXPECT_TRUE(faults_of(ball).is_sound());
+  const TriangleMesh sliver{{{0, 0, 0}, {1, 0, 0}, {0.5, 1e-4, 0}}, {{0, 1, 2}}};
+  EXPECT_EQ(faults_of(sliver).slivers, 1u);
+}
+
+TEST(MeshCoarsen, StaysWithinTheStatedDeviation) {
+  const TriangleMesh fine = sphere_mesh(0.1, 96);
+  const CoarseMesh coarse = coarsened(fine, 1e-3);
+  EXPECT_LT(coarse.mesh.triangles.size() * 5, fine.triangles.size());
+  EXPECT_TRUE(faults_of(coarse.mesh).is_sound());
+  // Measured again, by other points.
+  const double moved = distance_between(fine, coarse.mesh);
+  const double before = *facts_of(fine).volume, after = *facts_of(coarse.mesh).volume;
+  std::printf("  %zu of %zu triangles, moved by %.2g m (limit 1e-3), volume %+.1e\n",
+              coarse.mesh.triangles.size(), fine.triangles.size(), moved, after / before - 1);
+  EXPECT_LE(moved, 1.05e-3);
+  EXPECT_NEAR(after, before, 1e-3 * before);
+}
+
+}  // namespace mesh_tools_test
+}  // namespace tandem::launch
