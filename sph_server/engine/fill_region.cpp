@@ -63,6 +63,30 @@ std::vector<Vec3d> outside(const std::vector<Vec3d>& places, const FilledPart& p
   return left;
 }
 
+// Why particles did not stay in the region: at the first place that one left.
+[[noreturn]] void refuse_left(const std::vector<Vec3d>& left, const FilledPart& part, const LatticeAxes& axes,
+                              double spacing) {
+  const Vec3d at = left.front();
+  const std::string what =
+      fmt::format("{} left the region while {} packed, at ({:.4g}, {:.4g}, {:.4g}) m",
+                  left.size() == 1 ? "a particle" : std::to_string(left.size()) + " particles",
+                  left.size() == 1 ? "it was" : "they were", at.x, at.y, at.z);
+  ColumnCrossings crossings;
+  RegionColumns(part.region, axes.axis).find(dot(at, axes.axis[0]), dot(at, axes.axis[1]), crossings);
+  if (const double depth = crossings.depth_below(part.surface); depth > 0 && depth < 0.75 * spacing)
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the liquid is {:.3g} m deep over a wall there, and particles of {:.3g} m have no "
+                    "room: {}",
+                    depth, spacing, what),
+        "fill",
+        fmt::format("give a level up to that wall, or {:.3g} m or more above it, or a spacing of "
+                    "{:.3g} m or less",
+                    spacing, depth));
+  throw Error(ErrorCode::scene, what, "fill",
+              "close the walls around the liquid, or take a spacing of less than half of the narrowest gap");
+}
+
 std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::BodyPose> poses,
                            const FilledPart& part, const LatticeAxes& axes, const LiquidState& start,
                            const AfterStep& after_step) {
@@ -91,14 +115,7 @@ std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::Body
   const std::vector<Vec3d> left = engine->figures().passed_walls > 0
                                       ? outside(places, part, axes, setup.liquid.spacing)
                                       : std::vector<Vec3d>{};
-  if (!left.empty())
-    throw Error(
-        ErrorCode::scene,
-        fmt::format("{} left the region while {} packed, at ({:.4g}, {:.4g}, {:.4g}) m",
-                    left.size() == 1 ? "a particle" : std::to_string(left.size()) + " particles",
-                    left.size() == 1 ? "it was" : "they were", left[0].x, left[0].y, left[0].z),
-        "fill",
-        "close the walls around the liquid, or take a spacing of less than half of the narrowest gap");
+  if (!left.empty()) refuse_left(left, part, axes, setup.liquid.spacing);
   return places;
 }
 
