@@ -23,15 +23,16 @@ Rows start_rows(const std::vector<NamedText>& files, std::string_view name, std:
   const auto file = std::ranges::find(files, name, &NamedText::name);
   if (file == files.end()) return rows;
   try {
-    for (const auto& [body, row] :
-         nlohmann::json::parse(file->text).get<std::vector<std::pair<std::uint32_t, std::vector<double>>>>()) {
+    for (const auto& [body, row] : nlohmann::json::parse(file->text)
+                                       .get<std::vector<std::pair<std::uint32_t, std::vector<double>>>>()) {
       const auto is_finite = [](double x) { return std::isfinite(x); };
       if (row.size() != values || !std::ranges::all_of(row, is_finite)) throw std::runtime_error("a row");
       rows[body] = row;
     }
   } catch (const std::exception&) {
-    throw Error(ErrorCode::protocol, "the text '" + std::string(name) + "' is damaged", "configure",
-                "send one list for each body: its index, and a list of " + std::to_string(values) + " numbers");
+    throw Error(
+        ErrorCode::protocol, "the text '" + std::string(name) + "' is damaged", "configure",
+        "send one list for each body: its index, and a list of " + std::to_string(values) + " numbers");
   }
   return rows;
 }

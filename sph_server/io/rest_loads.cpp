@@ -77,11 +77,12 @@ class Pressures {
     double nearest = 1e300, pressure = 0;
     cells_.for_near(x, [&](std::uint32_t i) {
       const Vec3d to = liquid_.position[i] - x;
-      if (dot(to, n) <= 0 || norm2(to) >= nearest || walls_.view().between(before, liquid_.position[i])) return;
+      if (dot(to, n) <= 0 || norm2(to) >= nearest || walls_.view().between(before, liquid_.position[i]))
+        return;
       nearest = norm2(to);
       const double c2 = properties_.sound_speed * properties_.sound_speed;
-      pressure = properties_.density *
-                 (c2 * tait_pressure(liquid_.compression[i]) - dot(properties_.gravity, to));
+      pressure =
+          properties_.density * (c2 * tait_pressure(liquid_.compression[i]) - dot(properties_.gravity, to));
     });
     return std::max(0.0, pressure);
   }
@@ -130,8 +131,7 @@ std::map<BodyId, Wrench> loads_at_rest(const LiquidState& liquid, const std::vec
       });
     }
   }
-  if (vessel != ground)
-    loads[vessel] = {left.force, left.torque - cross(centre[vessel], left.force)};
+  if (vessel != ground) loads[vessel] = {left.force, left.torque - cross(centre[vessel], left.force)};
   return loads;
 }
 

@@ -72,7 +72,8 @@ TEST(RestLoads, MoveWithTheVessel) {
     sph::move_to({{0, {{0, 0, 0.12}, {}}}, {1, {{0, 0, 0.10}, {}}}}, scene, start, liquid);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("wall of 'block' 0.01 m away"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("wall of 'block' 0.01 m away"), std::string::npos)
+        << error.what();
   }
 }
 
