@@ -19,7 +19,7 @@ TUB_RADIUS, TUB_LENGTH, TUB_MASS, TUB_Y = 0.28, 0.34, 28, 0.02   # y of the tub'
 DRUM_RADIUS, DRUM_LENGTH, DRUM_MASS = 0.235, 0.26, 8
 HOLE = 0.1                        # edge of the square holes of the preview: four spacings
 LIFTERS, LIFTER_WIDTH, LIFTER_HEIGHT = 3, 0.08, 0.05
-GAP, SEAM = 0.003, 0.0005     # between drum and lifters; between tub, back and valve, and drum and lifters of the preview
+GAP, SEAM = 0.003, 0.0005     # between drum and lifters; between tub, back and valve
 DRAIN_RADIUS, DRAIN_Z = 0.05, -0.21     # round hole in the back of the tub
 WATER = 12.0
 BALLS, BALL_RADIUS, BALL_DENSITY = 8, 0.06, 600   # laundry
@@ -82,14 +82,11 @@ def drum(panels, rows, fine):
 
 
 def lifters(panels, corners):
-    """Three closed ribs along the drum, with `corners` points along the base. With two of them the base is flat, as the panels are, and
-    so close to its panel that no particle of the preview is in between."""
+    """Three closed ribs along the drum, with `corners` points along the base."""
     mesh = Mesh()
-    flat = corners == 2
-    radius = DRUM_RADIUS * math.cos(math.pi / panels) - (SEAM if flat else GAP)
-    half = math.atan(LIFTER_WIDTH / 2 / radius) if flat else LIFTER_WIDTH / 2 / radius
-    radius /= math.cos(half) if flat else 1
-    length = DRUM_LENGTH / 2 - (SEAM if flat else GAP)
+    radius = DRUM_RADIUS * math.cos(math.pi / panels) - GAP
+    half = LIFTER_WIDTH / 2 / radius
+    length = DRUM_LENGTH / 2 - GAP
     for k in range(LIFTERS):
         turn = 2 * math.pi * k / LIFTERS
         base = [turn - half + 2 * half * n / (corners - 1) for n in range(corners)]
