@@ -102,7 +102,7 @@ void validate_rest(const Scene& scene, const std::string& origin) {
   if (!std::ranges::any_of(sph.walls, moves)) return;
   if (!sph.server.empty() && sph.server != "sph_server")
     fail(origin, "mbd.start",
-         "the weight of the liquid on the machine is known of sph_server only, and '" + sph.server +
+         "the weight of the liquid on the machine is known to sph_server only, and '" + sph.server +
              "' computes it",
          "leave it out, and give the machine the position that it has with its liquid");
   if (liquid.velocity && norm(*liquid.velocity) > 0)
