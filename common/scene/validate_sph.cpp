@@ -94,6 +94,26 @@ void validate_moving_liquid(const Scene& scene, const std::string& origin) {
            "give it as a box or a mesh that reaches along the whole way, or leave out follows");
 }
 
+// The machine starts at rest under the weight of the liquid, which sph_server computes.
+void validate_rest(const Scene& scene, const std::string& origin) {
+  const Sph& sph = *scene.sph;
+  const Liquid& liquid = sph.liquids.front();
+  const auto moves = [](const Wall& wall) { return wall.body != ground; };
+  if (!std::ranges::any_of(sph.walls, moves)) return;
+  if (!sph.server.empty() && sph.server != "sph_server")
+    fail(origin, "mbd.start",
+         "the weight of the liquid on the machine is known to sph_server only, and '" + sph.server +
+             "' computes it",
+         "leave it out, and give the machine the position that it has with its liquid");
+  if (liquid.velocity && norm(*liquid.velocity) > 0)
+    fail(origin, element("sph.liquids", 0) + ".velocity",
+         "the liquid moves at the start, and an equilibrium is at rest", "leave velocity out, or mbd.start");
+  if (liquid.pressure != StartPressure::hydrostatic)
+    fail(origin, element("sph.liquids", 0) + ".pressure",
+         "the liquid starts without the pressure of its weight, and an equilibrium is at rest",
+         "leave pressure out, or mbd.start");
+}
+
 }  // namespace
 
 void validate_sph(const Scene& scene, const std::string& origin) {
@@ -109,14 +129,7 @@ void validate_sph(const Scene& scene, const std::string& origin) {
              text(scene.coupling.window) + " s",
          "a window holds whole steps");
   if (sph.follows) validate_moving_liquid(scene, origin);
-  if (scene.mbd && scene.mbd->start == Start::equilibrium)
-    for (const Wall& wall : sph.walls)
-      if (wall.body != ground)
-        fail(origin, "mbd.start",
-             "the search for the equilibrium knows neither the weight of the liquid nor its buoyancy, and "
-             "the body '" +
-                 scene.body_name(wall.body) + "' is a wall of it",
-             "leave it out, and give the machine the position that it has with its liquid");
+  if (scene.mbd && scene.mbd->start == Start::equilibrium) validate_rest(scene, origin);
   const Liquid& liquid = sph.liquids.front();
   const std::string path = element("sph.liquids", 0);
   validate_density(liquid.density, origin, path);

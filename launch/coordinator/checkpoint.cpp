@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char *state_kind = "tandem coordinator state", *run_file = "run.h5";
 // Version of the state of Coupler and its members, and of the marks of the row files.
-constexpr std::uint64_t state_version = 8;
+constexpr std::uint64_t state_version = 9;
 
 // "mbd.h5", and what is known of it in the file of the coordinator.
 std::string file_of(protocol::Role role) {

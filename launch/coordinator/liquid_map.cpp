@@ -26,6 +26,7 @@ struct Path {
 struct State {
   double body = 0;         // velocity
   double held = 0;         // impulse of the last window
+  double ahead = 0;        // impulse that the body has received before the liquid
   std::deque<Path> paths;  // of the last windows, newest first
 };
 
@@ -86,7 +87,8 @@ State advance(const scene::Coupling& how, const Liquid& liquid, double passed, c
       end.body = v + liquid.impulse(begin.paths, path);
       break;
     case scene::Scheme::linear_implicit:
-      end.body = v + liquid.impulse(begin.paths, path) / (1 + passed);
+      end.body = v + (liquid.impulse(begin.paths, path) + begin.ahead) / (1 + passed);
+      end.ahead = passed * (end.body - v);
       break;
     case scene::Scheme::implicit: {
       // The impulse is affine in the change of velocity that it causes.
@@ -112,6 +114,7 @@ template <class Visit>
 void each(State& state, Visit visit) {
   visit(state.body);
   visit(state.held);
+  visit(state.ahead);
   for (Path& path : state.paths) {
     visit(path.begin);
     visit(path.end);

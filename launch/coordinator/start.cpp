@@ -2,15 +2,41 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <optional>
 
 #include "common/log.hpp"
 #include "launch/coordinator/start_state.hpp"
+#include "protocol/start_files.hpp"
+#include "sph_server/coupling/liquid_start.hpp"
 
 namespace tandem::launch {
 
 using namespace std::chrono_literals;
 using protocol::Role;
+
+namespace {
+
+// Does the machine start in the equilibrium under the weight of a liquid?
+bool rests_with_liquid(const scene::Scene& scene) {
+  const auto moves = [](const scene::Wall& wall) { return wall.body != ground; };
+  return scene.mbd && scene.mbd->start == scene::Start::equilibrium && scene.sph &&
+         std::ranges::any_of(scene.sph->walls, moves);
+}
+
+// The search for the equilibrium is that of the multibody solver, which knows no liquid.
+protocol::NamedText start_loads_of(const SceneFile& file) {
+  std::map<std::uint32_t, Wrench> loads;
+  for (const auto& [body, load] : sph::rest_loads_of(file.scene, file.meshes, sph::places_in(file.files))) {
+    loads[body.value] = load;
+    log::info("the liquid at rest loads '{}' with ({:.6g}, {:.6g}, {:.6g}) N", file.scene.body_name(body),
+              load.force.x, load.force.y, load.force.z);
+  }
+  return protocol::text_of_start_loads(loads);
+}
+
+}  // namespace
 
 StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const RunOptions& options,
                          const std::vector<Need>& besides,
@@ -32,14 +58,20 @@ StartOfSolvers configure(const Solvers& solvers, const SceneFile& file, const Ru
   const protocol::Configuration configuration{file.text,  file.origin,     file.meshes,
                                               file.files, options.backend, options.threads};
   StartOfSolvers start;
+  const bool rests = rests_with_liquid(file.scene);
   if (solvers.mbd) {
-    const protocol::Configured configured = solvers.mbd->configure(configuration);
+    protocol::Configuration of_bodies = configuration;
+    if (rests) of_bodies.files.push_back(start_loads_of(file));
+    const protocol::Configured configured = solvers.mbd->configure(of_bodies);
     take_facts(Role::mbd, configured.facts);
     StartOfBodies(file.scene).expect(configured.boundary);
     start.boundary = configured.boundary;
   }
   for (protocol::Remote* solver : solvers.loads) {
-    const protocol::Configured configured = solver->configure(configuration);
+    protocol::Configuration of_loads = configuration;
+    if (rests && solver->role() == Role::sph)
+      of_loads.files.push_back(protocol::text_of_start_poses(start.boundary));
+    const protocol::Configured configured = solver->configure(of_loads);
     take_facts(solver->role(), configured.facts);
     start.sensors.insert(start.sensors.end(), configured.sensors.begin(), configured.sensors.end());
   }

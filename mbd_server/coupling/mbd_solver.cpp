@@ -17,6 +17,7 @@
 #include "mbd_server/io/state_file.hpp"
 #include "mbd_server/setup/build.hpp"
 #include "mbd_server/solve/modes.hpp"
+#include "protocol/start_files.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -66,7 +67,8 @@ std::unique_ptr<protocol::MotionSolver> make_solver() {
   return std::make_unique<MbdSolver>();
 }
 
-MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMesh>& meshes)
+MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
+                            const StartLoads& loads)
     : model(build_model(scene, meshes)),
       system(model),
       state(initial_state(model, scene)),
@@ -83,6 +85,10 @@ MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMe
       balance(model),
       elements(model, scene::elements_of(scene)),
       bottoming(model) {
+  for (std::size_t k = 0; k < model.boundary.size(); ++k)
+    if (const auto of = loads.find(static_cast<std::uint32_t>(model.boundary[k])); of != loads.end())
+      state.loads.col(static_cast<Eigen::Index>(k)) =
+          spatial(to_eigen(of->second.torque), to_eigen(of->second.force));
   if (scene.mbd->start == scene::Start::equilibrium) equilibrium = find_equilibrium(model, system, state);
   if (scene.mbd->integrator.extrapolate) extrapolation.emplace(method, state);
   if (scene.mbd->integrator.method == scene::IntegrationMethod::dormand_prince) {
@@ -115,11 +121,12 @@ protocol::Configured MbdSolver::configure(const protocol::Configuration& configu
   scene::expect_masses(scene, configuration.origin);
   if (scene.mbd)
     scene::expect_no_solver_options(scene.mbd->solver_options, configuration.origin, "mbd", "mbd_server");
-  return configure(scene, configuration.meshes);
+  return configure(scene, configuration.meshes, protocol::start_loads(configuration.files));
 }
 
-protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
-  machine_ = std::make_unique<Machine>(scene, meshes);
+protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
+                                          const StartLoads& loads) {
+  machine_ = std::make_unique<Machine>(scene, meshes, loads);
   const Model& model = machine_->model;
   step_ = scene.mbd->integrator.step;
   tolerance_ = scene.mbd->integrator.assembly_tolerance;

@@ -1,6 +1,7 @@
 // The multibody solver as a participant: windows and loads in, paths of the boundary bodies out.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -27,7 +28,10 @@ class MbdSolver final : public protocol::MotionSolver {
  public:
   protocol::Configured configure(const protocol::Configuration& configuration) override;
   // The same for a scene that is parsed already.
-  protocol::Configured configure(const scene::Scene& scene, const std::vector<NamedMesh>& meshes = {});
+  // Loads that act in the search for the equilibrium of the start besides those of the scene, by body.
+  using StartLoads = std::map<std::uint32_t, Wrench>;
+  protocol::Configured configure(const scene::Scene& scene, const std::vector<NamedMesh>& meshes = {},
+                                 const StartLoads& loads = {});
   const protocol::MotionSet& predict(const Window& window) override;
   const protocol::MotionSet& extrapolate(const Window& window) override;
   const protocol::MotionSet& advance(const protocol::LoadSet& loads) override;
@@ -49,7 +53,7 @@ class MbdSolver final : public protocol::MotionSolver {
  private:
   // Created by each configure().
   struct Machine {
-    Machine(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
+    Machine(const scene::Scene& scene, const std::vector<NamedMesh>& meshes, const StartLoads& loads);
     Model model;
     MachineSystem system;
     State state;  // assembled

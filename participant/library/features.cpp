@@ -128,7 +128,10 @@ std::vector<Feature> features_of_mbd(const scene::Scene& scene) {
     if (joint.friction) features.add(joint.friction->breakaway ? "joint.stiction" : "joint.friction", where);
     if (joint.motion) features.add("joint.motion", where);
   }
-  if (scene.mbd->start == scene::Start::equilibrium) features.add("start.equilibrium", "mbd.start");
+  if (scene.mbd->start == scene::Start::equilibrium) {
+    features.add("start.equilibrium", "mbd.start");
+    if (scene.sph && !scene.sph->walls.empty()) features.add("start.equilibrium_with_liquid", "mbd.start");
+  }
   for (const scene::Coupler& coupler : scene.mbd->couplers)
     features.add(name(coupler.type), quoted("mbd.couplers", coupler.name));
   for (const scene::Force& force : scene.mbd->forces)

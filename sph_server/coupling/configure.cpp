@@ -17,6 +17,7 @@
 #include "protocol/codec.hpp"
 #include "protocol/facts.hpp"
 #include "protocol/frame.hpp"
+#include "protocol/start_files.hpp"
 #include "sph_server/coupling/load_solver.hpp"
 #include "sph_server/coupling/response.hpp"
 #include "sph_server/equations/time_step.hpp"
@@ -92,7 +93,7 @@ const protocol::TangentSet& Solver::linearise() {
   for (protocol::BodyResponse& response : tangents_.responses) {
     const auto wall = std::ranges::find(bodies_, BodyId{response.body}, &particles::BoundaryBody::body);
     const Mat3d now = engine_->poses()[static_cast<std::size_t>(wall - bodies_.begin())].R,
-                before = particles::pose_at_start(BodyId{response.body}, scene_).R;
+                before = start_poses_[static_cast<std::size_t>(wall - bodies_.begin())].R;
     turn(now, before, response);
   }
   return tangents_;
@@ -148,7 +149,10 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
         sph.micro_step ? "sph.micro_step" : "sph.spacing", "enlarge it, or shorten the window");
   for (const std::string& sentence : start.warnings) warn(sentence);
   const std::size_t predicted = check_memory(start);
-  const LiquidState liquid_now = particles_of(start, scene_, places_in(configuration.files));
+  LiquidState liquid_now = particles_of(start, scene_, places_in(configuration.files));
+  if (const auto poses = protocol::start_poses(configuration.files); !poses.empty())
+    if (const auto warning = move_to(poses, scene_, start, liquid_now)) warn(*warning);
+  start_poses_ = start.poses;
   at_start_ = static_cast<std::uint32_t>(liquid_now.size());
   id_.resize(at_start_);
   std::iota(id_.begin(), id_.end(), 0u);

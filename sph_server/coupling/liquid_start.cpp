@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "sph_server/io/vessel.hpp"
 #include "sph_server/io/wall_meshes.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
+#include "sph_server/neighbours/walls.hpp"
 
 namespace tandem::sph {
 namespace {
@@ -179,6 +181,63 @@ LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene, co
       liquid_at_start(scene, start.sites, start.insides, start.setup, start.poses, start.velocity, places);
   refuse_coinciding_walls(state.position, start.walls, start.inlets, start.setup, start.poses, scene);
   return state;
+}
+
+std::map<BodyId, Wrench> rest_loads_of(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
+                                       const PlacesByFill& places) {
+  const LiquidStart start = prepare_start(scene, meshes);
+  return loads_at_rest(particles_of(start, scene, places), start.walls, start.setup, start.poses,
+                       start.vessel);
+}
+
+std::optional<std::string> move_to(const std::map<std::uint32_t, Pose>& poses, const scene::Scene& scene,
+                                   LiquidStart& start, LiquidState& liquid) {
+  std::vector<particles::BodyPose> now = start.poses;
+  particles::BodyPose from{{}, Mat3d::identity(), {}, {}}, to = from;  // of the vessel
+  for (std::size_t w = 0; w < start.walls.size(); ++w) {
+    const BodyId body = start.walls[w].body;
+    if (const auto at = poses.find(body.value); body != ground && at != poses.end())
+      now[w] = {at->second.p_WB, at->second.q_WB.matrix(), {}, {}};
+    if (body == start.vessel && body != ground) {
+      from = start.poses[w];
+      to = now[w];
+    }
+  }
+  const auto moved = [&](Vec3d x) { return to.p + to.R * from.R.transpose_times(x - from.p); };
+  const double spacing = start.setup.liquid.spacing, support = start.setup.liquid.support();
+  std::vector<bool> beside(start.walls.size());
+  Walls walls(start.setup.walls, support);
+  for (std::uint32_t w = 0; w < walls.bodies(); ++w) walls.set_pose(w, start.poses[w]);
+  for (const Vec3d& x : liquid.position)
+    walls.view().for_near(x, support, [&](std::uint32_t facet) {
+      if (const std::uint32_t w = walls.facets()[facet].body; w < beside.size()) beside[w] = true;
+      return true;
+    });
+  constexpr double most_apart = 0.05;  // spacings: as far as walls are made coarser
+  for (std::size_t w = 0; w < start.walls.size(); ++w) {
+    if (!beside[w]) continue;
+    double apart = 0;
+    for (const Vec3d& v : start.setup.walls[w].vertices)
+      apart = std::max(apart, norm(now[w].p + now[w].R * v - moved(start.poses[w].p + start.poses[w].R * v)));
+    if (apart > most_apart * spacing)
+      throw Error(
+          ErrorCode::scene,
+          fmt::format("in its equilibrium the machine has the wall of '{}' {:.3g} m away from where the "
+                      "liquid starts around it (limit {:.3g} m)",
+                      scene.body_name(start.walls[w].body), apart, most_apart * spacing),
+          "mbd.start",
+          "give the bodies in the liquid the positions that they have in the equilibrium, to one another");
+  }
+  for (Vec3d& x : liquid.position) x = moved(x);
+  const Vec3d up = -1.0 / std::max(norm(scene.gravity), 1e-300) * scene.gravity;
+  const double tilt = norm(cross(up, to.R * from.R.transpose_times(up)));
+  start.poses = now;
+  constexpr double visible = 2e-3;  // [rad]
+  if (tilt < visible) return std::nullopt;
+  return fmt::format(
+      "sph: the equilibrium tilts '{}' by {:.2g} rad, and the surface of its liquid with it: the liquid will "
+      "slosh. Give the machine that position",
+      scene.body_name(start.vessel), tilt);
 }
 
 }  // namespace tandem::sph

@@ -1,6 +1,9 @@
 // The liquid of a scene before the first step: its properties, its walls, and its particles.
 #pragma once
 
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/scene/model.hpp"
@@ -9,6 +12,7 @@
 #include "sph_server/io/body_walls.hpp"
 #include "sph_server/io/fill.hpp"
 #include "sph_server/io/inlets.hpp"
+#include "sph_server/io/rest_loads.hpp"
 
 namespace tandem::sph {
 
@@ -37,6 +41,16 @@ PlacesByFill places_in(const std::vector<protocol::NamedText>& files);
 // Its particles. Error{scene} as liquid_at_start() and refuse_coinciding_walls().
 LiquidState particles_of(const LiquidStart& start, const scene::Scene& scene,
                          const PlacesByFill& places = {});
+
+// Loads of the liquid of a scene at rest, see loads_at_rest(). `places`: those of place_of_fill().
+std::map<BodyId, Wrench> rest_loads_of(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
+                                       const PlacesByFill& places);
+
+// Moves the walls to the poses at which a machine starts in equilibrium, by body, and the liquid with its
+// vessel. Returns a warning where that tilts the surface. Error{scene} where another wall beside the liquid
+// moves relative to the vessel.
+std::optional<std::string> move_to(const std::map<std::uint32_t, Pose>& poses, const scene::Scene& scene,
+                                   LiquidStart& start, LiquidState& liquid);
 
 inline LiquidState start_of_liquid(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
                                    const PlacesByFill& places = {}) {

@@ -123,6 +123,7 @@ class Solver final : public protocol::LoadSolver {
   protocol::TangentSet tangents_;
   std::vector<protocol::BodyResponse> responses_;  // in the poses of the start
   std::vector<particles::PreparedPath> paths_;
+  std::vector<particles::BodyPose> start_poses_;             // of bodies_
   std::vector<particles::BodyPose> poses_, previous_poses_;  // of bodies_, at the ends of the present step
   double solver_seconds_ = 0, solver_cpu_seconds_ = 0;       // in advance [s]
   bool warned_density_ = false, warned_mach_ = false, warned_walls_ = false, warned_lost_ = false;

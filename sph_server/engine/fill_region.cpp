@@ -63,6 +63,37 @@ std::vector<Vec3d> outside(const std::vector<Vec3d>& places, const FilledPart& p
   return left;
 }
 
+// Refuses particles in a flat layer on a wall that is much thinner than they are. Beaches end thin as well,
+// but not flat.
+void refuse_shallow(const std::vector<Vec3d>& places, const FilledPart& part, const LatticeAxes& axes,
+                    double spacing) {
+  constexpr double room = 0.25, flat = 0.1;  // spacings; of the depth
+  const RegionColumns columns(part.region, axes.axis);
+  const auto depth_at = [&](double x, double y) {
+    ColumnCrossings crossings;
+    columns.find(x, y, crossings);
+    return crossings.depth_below(part.surface);
+  };
+  for (const Vec3d& at : places) {
+    if (dot(at, part.up) < part.surface - room * spacing) continue;
+    const double x = dot(at, axes.axis[0]), y = dot(at, axes.axis[1]), depth = depth_at(x, y);
+    if (!(depth > 0 && depth < room * spacing)) continue;
+    bool is_flat = true;
+    for (const double way : {-0.5 * spacing, 0.5 * spacing})
+      is_flat = is_flat && std::fabs(depth_at(x + way, y) - depth) < flat * depth &&
+                std::fabs(depth_at(x, y + way) - depth) < flat * depth;
+    if (!is_flat) continue;
+    throw Error(
+        ErrorCode::scene,
+        fmt::format("the liquid is {:.2g} m deep over a wall at ({:.4g}, {:.4g}, {:.4g}) m, less than a "
+                    "quarter of sph.spacing",
+                    depth, at.x, at.y, at.z),
+        "fill",
+        fmt::format("give a level up to that wall or {:.2g} m above it, or a spacing of {:.2g} m", spacing,
+                    depth));
+  }
+}
+
 std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::BodyPose> poses,
                            const FilledPart& part, const LatticeAxes& axes, const LiquidState& start,
                            const AfterStep& after_step) {
@@ -126,6 +157,7 @@ FilledPlaces fill_places(const LiquidSetup& setup, const std::vector<particles::
   }
   filled.position =
       cut_lattice(part.region, walls, l, {axes, part.surface, true}, part.particles, setup.threads);
+  refuse_shallow(filled.position, part, axes, l.spacing);
   filled.position =
       relaxed(setup, poses, part, axes, at_rest_at(filled.position, l, part.up, part.surface), after_step);
   filled.surface = part.surface;

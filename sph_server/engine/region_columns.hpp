@@ -20,6 +20,17 @@ class ColumnCrossings {
     }
     return number > 0;
   }
+  // Length of the part of the line that is inside and ends at height z; 0 where that is outside [m].
+  double depth_below(double z) const {
+    int number = 0;
+    double low = z;
+    for (const Crossing& c : crossing_) {
+      if (c.z >= z) break;
+      if (number <= 0) low = c.z;
+      number += c.into;
+    }
+    return number > 0 ? z - low : 0;
+  }
 
  private:
   friend class RegionColumns;

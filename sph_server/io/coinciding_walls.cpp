@@ -63,6 +63,22 @@ Vec3d nearest_point(const Polygon& p, Vec3d normal, Vec3d x) {
   return inside ? foot : nearest;
 }
 
+Vec3d middle_of(const Polygon& p) {
+  Vec3d sum;
+  for (int k = 0; k < p.count; ++k) sum += (1.0 / p.count) * p.corner[k];
+  return sum;
+}
+
+// The middle of what a polygon has within `size` of one of its points: also where it is narrow, as the side
+// of a plate, it is off the edges, at which another wall may end that hides the rest.
+Vec3d beside_edge(const Polygon& p, Vec3d normal, Vec3d point, double size) {
+  const Vec3d axis_off{std::fabs(normal.x) < 0.6 ? 1.0 : 0.0, std::fabs(normal.x) < 0.6 ? 0.0 : 1.0, 0.0},
+      u = normalized(cross(normal, axis_off)), v = cross(normal, u);
+  Polygon around = p;
+  for (const Vec3d axis : {u, v, -u, -v}) around = clipped(around, point + size * axis, -axis);
+  return around.count > 0 ? middle_of(around) : middle_of(p);
+}
+
 struct Box {
   Vec3d low, high;  // [m]
 };
@@ -137,12 +153,9 @@ void refuse_coinciding_walls(const std::vector<Vec3d>& particles, const std::vec
   const auto check = [&](Vec3d x) {
     for (const Overlap& o : overlaps) {
       if (!touch({x, x}, o.around, R)) continue;
-      // Beside its edge, at which another wall may end that hides the rest.
-      Vec3d middle;
-      for (int k = 0; k < o.part.count; ++k) middle += (1.0 / o.part.count) * o.part.corner[k];
-      const Vec3d nearest = nearest_point(o.part, facets[o.first].normal, x), inwards = middle - nearest,
-                  at = nearest + std::min(0.5, 0.25 * spacing / std::max(norm(inwards), 1e-300)) * inwards;
-      if (norm(x - at) >= R || all.between(x, x + (1 - 1e-3) * (at - x))) continue;
+      const Vec3d normal = facets[o.first].normal,
+                  at = beside_edge(o.part, normal, nearest_point(o.part, normal, x), 0.5 * spacing);
+      if (norm(x - at) >= R || all.between(x, x + (1 - 1e-5) * (at - x))) continue;
       throw Error(ErrorCode::scene,
                   fmt::format("{} and {} lie on each other at {} m, where the liquid sees them: both would "
                               "act on it",

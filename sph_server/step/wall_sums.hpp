@@ -262,19 +262,43 @@ struct SumWalls {
     }
   };
 
+  // Besides the nearest wall, the one that repels most on another side.
   template <class Bodies>
   TANDEM_HD void repel(const Particle& p, const FacetsOfParticle& near, const Nearest& nearest, WallSums& sum,
                        Tally& tally, Bodies& bodies) const {
-    const NearFacet& f = near.facet[nearest.facet];
-    particles::WallContact contact;
-    Nearest::touches(f, p.x, repulsion.range, contact);
-    const Vec3d push =
-        particles::rounded(repulsion.acceleration(nearest.distance) * contact.normal, quanta.acceleration);
-    const particles::BodyPose& pose = walls.pose[f.body];
-    const Vec3d arm = contact.point - pose.p, v_wall = pose.v + cross(pose.w, arm);
+    particles::WallContact first;
+    Nearest::touches(near.facet[nearest.facet], p.x, repulsion.range, first);
+    push(p, near.facet[nearest.facet].body, first, repulsion.acceleration(nearest.distance) * first.normal,
+         sum, tally, bodies);
+    double strongest = 0;
+    particles::WallContact second;
+    std::uint32_t body = 0;
+    Vec3d of_second;
+    for (int k = 0; k < near.count; ++k) {
+      const NearFacet& f = near.facet[k];
+      particles::WallContact contact;
+      if (k == nearest.facet || !Nearest::touches(f, p.x, repulsion.range, contact)) continue;
+      const double distance = contact.gap + repulsion.range,
+                   share = WallRepulsion::share(first.normal, contact.normal, f.normal),
+                   strength = share * repulsion.acceleration(distance);
+      if (!(strength > strongest)) continue;
+      strongest = strength;
+      second = contact;
+      body = f.body;
+      const Vec3d v_wall = velocity_of(body, contact.point);
+      of_second = (strength - repulsion.damping(distance, share) * dot(p.v - v_wall, contact.normal)) *
+                  contact.normal;
+    }
+    if (strongest > 0) push(p, body, second, of_second, sum, tally, bodies);
+  }
+  template <class Bodies>
+  TANDEM_HD void push(const Particle& p, std::uint32_t body, const particles::WallContact& contact,
+                      Vec3d acceleration, WallSums& sum, Tally& tally, Bodies& bodies) const {
+    const Vec3d push = particles::rounded(acceleration, quanta.acceleration);
+    const Vec3d arm = contact.point - walls.pose[body].p, v_wall = velocity_of(body, contact.point);
     for (int a = 0; a < 3; ++a) sum.acceleration[a] += particles::to_fixed(push[a], quanta.acceleration);
-    sum.repelled = push;
-    bodies.add(f.body, -push, -mass * cross(arm, push), quanta);
+    sum.repelled += push;
+    bodies.add(body, -push, -mass * cross(arm, push), quanta);
     tally.add(Power::repulsion, mass * dot(push, p.v - v_wall), quanta.power);
     tally.add(Power::walls, mass * dot(push, v_wall), quanta.power);
   }

@@ -148,14 +148,13 @@ const WrongScene wrong_sph[] = {
     {"PairOfNoBody",
      SPH(LIQUID(""), R"("pairs": [{"liquid": "water", "body": "crate", "wall_friction": "no_slip"}],)"),
      "sph.pairs[0].body: there is no wall of the liquid on 'crate' (name a body that has one)"},
-    {"EquilibriumOfABodyInTheLiquid",
+    {"EquilibriumOfALiquidThatMoves",
      "[" SPH_WITH(
-         LIQUID(""),
+         LIQUID(R"("velocity": [0.1, 0, 0],)"),
          R"("walls": [{"name": "skin", "body": "arm", "shape": {"type": "sphere", "radius": 0.1}}],)") R"(, {"op": "add", "path": "/mbd/start", "value": "equilibrium"},
              {"op": "add", "path": "/mbd/bodies/3/velocity", "value": [0, 0, 0]}, {"op": "add", "path": "/mbd/bodies/3/angular_velocity", "value": [0, 0, 0]}, {"op": "add", "path": "/mbd/joints/0/rate", "value": 0}])",
-     "mbd.start: the search for the equilibrium knows neither the weight of the liquid nor its buoyancy, and "
-     "the body "
-     "'arm' is a wall of it (leave it out, and give the machine the position that it has with its liquid)"},
+     "sph.liquids[0].velocity: the liquid moves at the start, and an equilibrium is at rest (leave velocity "
+     "out, or mbd.start)"},
     {"SamePair",
      SPH(LIQUID(""), TUB R"("pairs": [{"liquid": "water", "body": "ground", "wall_friction": "no_slip"},
              {"liquid": "water", "body": "ground", "wall_friction": "free_slip"}],)"),

@@ -220,6 +220,15 @@ TEST(LiquidStart, RefusesAnInletWithLiquidOnBothSides) {
   EXPECT_EQ(refusal(scene), "no error") << "on a solid in the liquid";
 }
 
+TEST(LiquidStart, RefusesALevelCloseAboveAShelf) {
+  json scene = vat();
+  fill_of(scene)[0]["level"] = 0.111;
+  scene["sph"]["walls"].push_back(box_wall("shelf", {-0.1, 0, 0.1}, {0.2, 0.2, 0.02}));
+  EXPECT_THAT(refusal(scene), HasSubstr("deep over a wall at ("));
+  fill_of(scene)[0]["level"] = 0.13;
+  EXPECT_EQ(refusal(scene), "no error") << "a spacing above it";
+}
+
 TEST(LiquidStart, RefusesWallsThatLieOnEachOtherInTheLiquid) {
   json tank = vat();
   tank["mbd"]["bodies"] = {
@@ -233,7 +242,7 @@ TEST(LiquidStart, RefusesWallsThatLieOnEachOtherInTheLiquid) {
   };
   EXPECT_EQ(beside(box_wall("plate", {0, 0, -0.05}, {0.8, 0.8, 0.1})),
             "scene: sph.walls: wall 'vat' of 'tank' and wall 'plate' of 'ground' lie on each other at "
-            "[-0.186464, -0.0864645, "
+            "[-0.193333, -0.0916667, "
             "0] m, where the liquid sees them: both would act on it (leave one of them out there, as by "
             "'open' faces "
             "of a box or a cylinder, or put the one that the liquid touches a hundredth of a spacing in "
@@ -249,6 +258,8 @@ TEST(LiquidStart, RefusesWallsThatLieOnEachOtherInTheLiquid) {
       << "side by side";
   EXPECT_EQ(beside(box_wall("plate", {0, 0, -0.0502}, {0.8, 0.8, 0.1})), "no error")
       << "a hundredth of a spacing below";
+  EXPECT_EQ(beside(box_wall("plate", {0.05, 0, 0.15}, {0.003, 0.2, 0.3})), "no error")
+      << "a thin plate from one side to the other hides where its edge is";
   // Coplanar faces that meet at edges, and those that overlap where no liquid is.
   json scene = vat();
   scene["sph"]["walls"].push_back(box_wall("rim", {0, 0, 0.35}, {0.4, 0.2, 0.1}, {"+z", "-z"}));
