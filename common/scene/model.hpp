@@ -512,7 +512,13 @@ struct ContactOutput {
   std::vector<ContactSide> from;  // empty: all that is not `on`
 };
 
+enum class Impacts {
+  resolved,     // steps end where contacts begin and end, and an impact takes many of them
+  within_steps  // contacts begin and end within steps, which are as long as without them
+};
+
 struct BodyContact {
+  Impacts impacts = Impacts::resolved;  // of shapes that are no meshes
   std::vector<ContactMaterial> materials;
   std::vector<ContactMaterialPair> pairs;
   std::vector<Shape> ground;                  // shapes fixed to the ground

@@ -147,6 +147,8 @@ Shape parse_contact_shape(const Node& node, const Names& surfaces) {
 
 BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& bodies) {
   BodyContact contact;
+  if (node.has("impacts") && node.value().at("impacts").get<std::string>() == "within_steps")
+    contact.impacts = Impacts::within_steps;
   for (const Node& from : node.elements("materials")) {
     ContactMaterial material;
     from.read("name", material.name);

@@ -24,6 +24,7 @@ std::vector<std::string> left_out(const Model& model) {
   if (!model.damped) list.push_back("no dampers: no damping terms");
   if (!model.driven) list.push_back("no prescribed motion");
   if (model.springs.empty()) list.push_back("no springs between points");
+  if (model.contact.impacts_within_steps) list.push_back("no steps that end where contacts begin and end");
   if (model.welded > 0)
     list.push_back(fmt::format("{} bodies welded to another or to the ground: merged", model.welded));
   return list;

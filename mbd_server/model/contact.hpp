@@ -68,6 +68,7 @@ struct ContactOutput {
 };
 
 struct BodyContactModel {
+  bool impacts_within_steps = false;  // steps end neither where contacts begin nor where they end
   std::vector<ContactShape> shapes;
   std::vector<ContactLaw> laws;            // (materials x materials)
   std::vector<std::pair<int, int>> apart;  // bodies that pass through each other, sorted, first < second
@@ -80,6 +81,9 @@ struct BodyContactModel {
   // Whether two shapes touch where they meet.
   bool may_touch(int a, int b) const;
   ContactLaw law(int a, int b) const;
+  // Whether contacts of two shapes begin and end within steps. Those with meshes never do: which part of a
+  // mesh is nearest is found at the ends of steps.
+  bool within_steps(int a, int b) const { return impacts_within_steps && !shape(a).mesh && !shape(b).mesh; }
 
   // Calls f(index of the output, sign) for the outputs that a contact of two shapes belongs to: a force on b
   // times this sign is the output's.

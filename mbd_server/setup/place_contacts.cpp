@@ -263,6 +263,7 @@ struct ContactPlacer {
   }
 
   void find_apart() {
+    model.contact.impacts_within_steps = contact.impacts == scene::Impacts::within_steps;
     auto& apart = model.contact.apart;
     const auto add_pair = [&](int a, int b) { apart.emplace_back(std::min(a, b), std::max(a, b)); };
     for (const SceneJoint& joint : model.joints)

@@ -165,6 +165,7 @@ bool BodyContacts::accept(State& state, double h) {
       continue;
     }
     kept.push_back(index);
+    if (begin.motion.gap > candidate.tolerance && !open) ++counters_.contacts;
     const Exchange& end = at_end_[static_cast<std::size_t>(index)];
     if (law.hertz) column[ContactRow::period] = period(column, -f.gap);
     const double since = state.time - column[ContactRow::entry_time],
@@ -297,7 +298,7 @@ double BodyContacts::period(const ContactColumn& column, double depth) const {
 // Whether steps resolve an impact of this point: for its duration, and for as long as it bounces after that.
 bool BodyContacts::is_impact(const State& state, const ContactColumn& column, const Exchange& now) const {
   const double since = state.time - column[ContactRow::entry_time], period = column[ContactRow::period];
-  if (since > lasting * period) return false;
+  if (since > lasting * period || is_within_steps(column)) return false;
   const double rate = column[ContactRow::entry_rate],
                least = faint_square(static_cast<int>(column[ContactRow::shape_a]),
                                     static_cast<int>(column[ContactRow::shape_b]));
@@ -307,6 +308,7 @@ bool BodyContacts::is_impact(const State& state, const ContactColumn& column, co
 // A load that jumps makes a body vibrate on its contacts. A step that does not resolve this has another
 // energy, and dampers at the points take another part of it.
 bool BodyContacts::vibrates(const ContactColumn& column, const Exchange& now) const {
+  if (is_within_steps(column)) return false;
   return 0.5 * column[ContactRow::mass] * now.square(column) > least_vibration * energy_scale_;
 }
 

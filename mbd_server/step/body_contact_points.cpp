@@ -139,9 +139,10 @@ void BodyContacts::keep(State& state, const std::vector<Eigen::Index>& columns) 
     if (c.column >= 0) c.column = place[static_cast<std::size_t>(c.column)];
 }
 
-// Points within the tolerance whose shapes approach each other, or are pressed together, come into contact.
-// Returns whether any of them begins an impact that is not faint.
-bool BodyContacts::enter_all(State& state, bool at_start) {
+// Points within the tolerance whose shapes approach each other, or are pressed together, come into contact,
+// and those that may do so within a step of length `ahead` that does not end there. Returns whether any of
+// them begins an impact that is not faint.
+bool BodyContacts::enter_all(State& state, double ahead, bool at_start) {
   const auto& links = system_.links();
   entries_.clear();
   for (Watch& watch : watches_) enter_watched(watch, at_start);
@@ -152,13 +153,14 @@ bool BodyContacts::enter_all(State& state, bool at_start) {
       continue;
     double rate = 0;
     const double distance = gap(model_, candidates_[i].feature, links, &rate);
+    const ContactFeature& f = candidates_[i].feature;
+    const bool within = model_.contact.within_steps(f.a, f.b);
     const double near = candidates_[i].tolerance;
-    if (!(distance <= near)) continue;
+    if (!(distance <= near + (within ? ahead * std::max(0.0, -rate) : 0))) continue;
     if (rate > 0 && distance >= -near) continue;
-    expect_round_side(candidates_[i].feature, distance);
+    expect_round_side(f, distance);
     entries_.push_back({i, std::max(0.0, -rate)});
-    entries_.back().faint =
-        !at_start && rate * rate < faint_square(candidates_[i].feature.a, candidates_[i].feature.b);
+    entries_.back().faint = within || (!at_start && rate * rate < faint_square(f.a, f.b));
   }
   if (!entries_.empty()) find_masses();
   const Eigen::Index first = state.contacts.cols();
@@ -335,7 +337,7 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   // A point that takes the place of another one begins with the energy of its depth.
   if (state.steps > 0) lose(-normal_energy(law, -t.gap), feature.a, feature.b);
   if (!entry.faint) shorten(state, column);
-  ++counters_.contacts;
+  if (t.gap <= candidate.tolerance) ++counters_.contacts;
 }
 
 // The next steps resolve an impact of this point.

@@ -16,7 +16,7 @@ void BodyContacts::prepare(State& state) {
   system_.residual(state);
   find(state, 0);
   expect_outside();
-  enter_all(state, true);
+  enter_all(state, 0, true);
   if (records_impulses_) record(state, at_begin_, state.contact_wrench);
   expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
                "move one of them: they would be thrown apart");

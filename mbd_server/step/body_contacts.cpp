@@ -117,7 +117,7 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
   system_.residual(state);
   find(state, h);
   system_.residual(state);
-  if (enter_all(state) || turned_) start_method(state);
+  if (enter_all(state, h) || turned_) start_method(state);
   measure(state, gaps_before_);
   for (Watch& watch : watches_) watch.centre = on_mesh(candidates_[watch.candidate].feature);
   before_ = state;
@@ -196,6 +196,7 @@ double BodyContacts::faint_square(int a, int b) const {
 // Whether neither the rate of the gap nor the energy of the spring at that depth is worth a step that ends
 // there.
 bool BodyContacts::is_faint(const ContactFeature& f, double rate, double depth) const {
+  if (model_.contact.within_steps(f.a, f.b)) return true;
   return rate * rate < faint_square(f.a, f.b) && normal_energy(model_.contact.law(f.a, f.b), depth) <=
                                                      std::min(faint_energy_[static_cast<std::size_t>(f.a)],
                                                               faint_energy_[static_cast<std::size_t>(f.b)]);

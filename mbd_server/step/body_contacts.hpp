@@ -10,6 +10,9 @@
 // - a contact is faint that begins or ends at a rate at which bodies that are pressed together flicker: no
 //   step ends there, and no impact is resolved. A point that leaves at such a rate stays among the contacts,
 //   without a force, while it may come back at no more than it;
+// - where impacts are not resolved (BodyContactModel::within_steps), no contact cuts or shortens a step: one
+//   that may begin within a step is among its points, without a force until it bears, and error control finds
+//   the length that the change of the force needs;
 // - after each step, friction that slides moves the ends of its spring (contact_force.hpp), so that the
 //   spring has the force with which the step ended.
 #pragma once
@@ -168,7 +171,7 @@ class BodyContacts {
   void go_back(State& state);
   double repeat(State& state, double h, const Stride& stride);
   double cut(State& state, double h, const Passage& first, const Stride& stride);
-  bool enter_all(State& state, bool at_start = false);
+  bool enter_all(State& state, double ahead = 0, bool at_start = false);
   // A candidate that comes into contact [m/s], [kg].
   struct Entry {
     std::size_t candidate;
@@ -202,6 +205,10 @@ class BodyContacts {
   void start_method(State& state);
   void integrate_wrenches(State& state, double h);
   double longest_step(const State& state, double h) const;
+  bool is_within_steps(const ContactColumn& column) const {
+    return model_.contact.within_steps(static_cast<int>(column[ContactRow::shape_a]),
+                                       static_cast<int>(column[ContactRow::shape_b]));
+  }
   bool vibrates(const ContactColumn& column, const Exchange& now) const;
   bool is_impact(const State& state, const ContactColumn& column, const Exchange& now) const;
   double resolving_step(const State& state, double h) const;
