@@ -1,5 +1,5 @@
-// Contacts that begin and end within steps: what rebounds, slides and rests does as it does where each step ends at
-// a contact, to an error that falls with the step and that error control bounds.
+// Contacts that begin and end within steps: what rebounds, slides and rests does as it does where each step
+// ends at a contact, to an error that falls with the step and that error control bounds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,8 @@ TEST(ContactWithinSteps, ABallReboundsByItsRestitution) {
   for (const double e : {0.9, 0.5, 0.2})
     for (const double tolerance : {1e-5, 1e-6}) {
       std::printf("  restitution %.1f, error tolerance %.0e\n", e, tolerance);
-      expect_near("rate after over rate before", rebound(e, 2e-3, tolerance), e, tolerance > 2e-6 ? 0.01 : 0.003);
+      expect_near("rate after over rate before", rebound(e, 2e-3, tolerance), e,
+                  tolerance > 2e-6 ? 0.01 : 0.003);
     }
 }
 
@@ -71,8 +72,9 @@ TEST(ContactWithinSteps, ABoxSlidesItsWayAndRests) {
   expect_near("way in 2 s of rest [m]", norm(run.position() - there), 0, 1e-8);
   const auto facts = run.facts();
   expect_near("energy unaccounted for, of that which moves",
-              std::abs(facts["mbd_largest_energy_balance_J"].get<double>()) / facts["mbd_energy_scale_J"].get<double>(), 0,
-              0.01);
+              std::abs(facts["mbd_largest_energy_balance_J"].get<double>()) /
+                  facts["mbd_energy_scale_J"].get<double>(),
+              0, 0.01);
 }
 
 // Each as deep in the one below as the weight above asks for.
