@@ -21,6 +21,8 @@ constexpr double settling = 4;  // durations of a contact after which critical d
 // Rate that loads give within 1 / frequency, relative to the entry rate: below this value the restitution is
 // that of the contact with its loads (1 kg that falls 0.1 m on 2e6 N/m).
 constexpr double small_load = 1. / 200;
+// A settled contact whose depth changes within 1 / frequency by this many tolerances has another load.
+constexpr double awake = 10;
 constexpr int most_contacts_in_step = 1000;
 constexpr double growth_after_stop = 2;  // of the steps after a contact
 
@@ -254,13 +256,40 @@ bool StopContacts::pressed(const State& state, int i, double acceleration) const
   const double vibration = std::hypot(state.u[link(i).u], frequency * d - load);  // as a rate
   if (!(load > 0) || !(vibration <= std::numbers::sqrt2 * load)) return false;
   if (resolution_.tolerance == 0) return frequency * resolution_.step > 1;
-  return vibration / frequency <=
-         resolution_.tolerance * model_.scale[link(i).u] * std::sqrt(static_cast<double>(model_.freedoms));
+  return vibration / frequency <= unseen_amplitude(i);
+}
+
+// Amplitude of a vibration that error control does not see [rad or m].
+double StopContacts::unseen_amplitude(int i) const {
+  return resolution_.tolerance * model_.scale[link(i).u] * std::sqrt(static_cast<double>(model_.freedoms));
+}
+
+// A contact that settled under another load is elastic again: critical damping would take what the stop has
+// to give back.
+bool StopContacts::wake(State& state, int i) {
+  auto contact = state.stops.col(i);
+  const double frequency = contact[StopRow::frequency], rate = state.u[link(i).u];
+  if (contact[StopRow::damping] == 0 || resolution_.tolerance == 0 ||
+      contacts_in_step_ > most_contacts_in_step || std::abs(rate) <= awake * frequency * unseen_amplitude(i))
+    return false;
+  const double into = std::copysign(1.0, contact[StopRow::entry_rate]),
+               d = std::max(0.0, -event(state, i).value * tolerance_[i]);
+  contact[StopRow::entry_rate] = into * std::hypot(std::max(0.0, into * rate), frequency * d);
+  contact[StopRow::entry_time] = state.time;
+  contact[StopRow::work] = rate * rate / 2;
+  contact[StopRow::damping] = 0;
+  return true;
 }
 
 bool StopContacts::settle_lasting(State& state) {
   bool any = false;
   for (int i = 0; i < std::ssize(model_.stops); ++i) {
+    if (wake(state, i)) {
+      const double longest = longest_step(state, i);
+      state.contact_step = state.contact_step > 0 ? std::min(state.contact_step, longest) : longest;
+      any = true;
+      continue;
+    }
     const auto contact = state.stops.col(i);
     const double entry = contact[StopRow::entry_rate], frequency = contact[StopRow::frequency];
     if (entry == 0 || contact[StopRow::damping] > 0 || bounces(state, i)) continue;

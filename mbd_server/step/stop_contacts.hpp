@@ -99,6 +99,8 @@ class StopContacts {
   void leave(State& state, int i);
   void settle(State& state, int i);
   bool pressed(const State& state, int i, double acceleration) const;
+  double unseen_amplitude(int i) const;
+  bool wake(State& state, int i);
   bool settle_lasting(State& state);
   // Whether the contact may end soon, or has not settled yet.
   bool young(const State& state, int i) const;

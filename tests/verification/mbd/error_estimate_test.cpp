@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/verification/mbd/whole_run.hpp"
 
 namespace tandem::mbd {
@@ -10,6 +13,32 @@ namespace error_estimate_test {
 using Json = nlohmann::json;
 using machines::WholeRun;
 using machines::with_step;
+
+// Much longer steps end near the right place by chance: 4 and 2 steps per period, after 20 periods. The error
+// of phase is 20 pi (omega h)^2 / 6 in all.
+TEST(ErrorEstimate, OfAVibrationIsNotLuck) {
+  for (const int steps : {80, 150}) {
+    const double frequency = 10, amplitude = 5e-3, omega = 2 * std::numbers::pi * frequency;
+    scene::Scene scene = machines::empty({0, 0, 0});
+    const BodyId body = machines::add_body(scene, "b", 1, {.1, .1, .1}, {1, 0, 0});
+    machines::add_joint(scene, "j", scene::JointType::prismatic, ground, body, {1, 0, 0}, {1, 0, 0}).rate =
+        amplitude * omega;
+    scene::SpringDamper spring;
+    spring.name = "s", spring.body_b = body;
+    spring.point_a = {0, 0, 0}, spring.point_b = {1, 0, 0};
+    spring.length = 1, spring.stiffness = omega * omega;
+    scene.mbd->forces.push_back(spring);
+    scene.coupling.window = 0.025;
+    scene.mbd->integrator.step = 1 / frequency / steps;
+    scene.end_time = 2;
+    WholeRun run(scene);
+    const double error = std::abs(run.solver.observe().bodies[0].pose.p_WB.x - 1) / (2 * amplitude);
+    const double says = run.facts()["mbd_position_error_estimate"].get<double>();
+    std::printf("  %d steps per period: off by %.3g of the way, says %.3g\n", steps, error, says);
+    EXPECT_GT(says, error / 2);
+    EXPECT_LT(says, error * 3);
+  }
+}
 
 TEST(ErrorEstimate, IsNearTheTrueError) {
   std::printf("%-22s %9s %10s %10s %10s %10s %10s %10s %8s %8s\n", "scene", "step [s]", "true [m]",

@@ -132,5 +132,35 @@ TEST(StopRebound, FollowsTheDampingThatIsGiven) {
     }
 }
 
+// A force on a body that rests on its stop grows within D and ends: what the stop has stored comes back. With
+// m = 1 and the rate c of the force, d = c (t - sin(w t) / w) / k.
+TEST(Stops, GiveBackWhatALoadStored) {
+  const double k = 1e4, w = 100, F = 100;
+  for (const double D : {0.1, 0.03, 0.003})
+    for (const double tolerance : {1e-6, 1e-8}) {
+      scene::Scene scene = machines::empty({0, 0, 0});
+      const BodyId body = machines::add_body(scene, "b", 1, {.1, .1, .1}, {0, 0, 0});
+      scene::Joint& joint =
+          machines::add_joint(scene, "j", scene::JointType::prismatic, ground, body, {0, 0, 0});
+      joint.limits = scene::Limits{};
+      joint.limits->lower = 0, joint.limits->upper = 10, joint.limits->stiffness = k;
+      scene::TableMotion force;
+      force.times = {0, D, D + 1e-7}, force.values = {0, -F, 0};
+      force.interpolation = scene::Interpolation::linear;
+      force.smoothing = 1e-8;
+      scene.mbd->forces.push_back(scene::Actuator{"f", JointId{0}, force});
+      scene.coupling.window = window_s;
+      scene.mbd->integrator.error_tolerance = tolerance;
+      MbdSolver solver;
+      solver.configure(scene);
+      for (std::uint64_t n = 0; n < 30; ++n) advance(solver, n);
+      const double c = F / D, d = c / k * (D - std::sin(w * D) / w), v = c / k * (1 - std::cos(w * D)),
+                   expected = std::hypot(w * d, v);
+      std::printf("  force for %g s, tolerance %.0e: expected %.5f m/s, measured %.5f, tolerance %.0e\n", D,
+                  tolerance, expected, solver.state().u[0], 5e-3 * expected);
+      EXPECT_NEAR(solver.state().u[0], expected, 5e-3 * expected);
+    }
+}
+
 }  // namespace stops_test
 }  // namespace tandem::mbd
