@@ -112,6 +112,10 @@ void import_model(const ImportOptions& options) {
     if (!options.output.empty() && !input.empty() && fs::equivalent(options.output, input, unknown))
       throw Error(ErrorCode::usage, "is an input of this import: it would be overwritten",
                   options.output.string(), "give another --output");
+  if (!options.replace && fs::symlink_status(options.output, unknown).type() != fs::file_type::not_found &&
+      !options.output.empty())
+    throw Error(ErrorCode::usage, "is there: it would be overwritten", options.output.string(),
+                "give another --output, or --replace");
   const Imported imported = import_urdf(options);
   std::string text;
   write(imported.scene, "", text);

@@ -26,6 +26,7 @@ struct ImportOptions {
   std::filesystem::path output;  // scene; empty: standard output
   std::filesystem::path into;    // scene with the particles, whose `mbd` is replaced; empty: none
   std::string material;          // of the walls, a material of that scene
+  bool replace = false;          // whether a file that is there is replaced
   bool free_root = false;
   std::optional<StopStiffness> stops;  // for joints with limits; absent: a note reports the limits
 };
@@ -38,7 +39,9 @@ struct Imported {
 // Throws Error{scene} that names the link or joint. The scene has passed the checks of `tandem validate`.
 Imported import_urdf(const ImportOptions& options);
 
-// Writes the scene, and the notes to standard error.
+// Writes the scene, and the notes to standard error. Throws Error{usage} where the file is there and is not
+// to be replaced: people go on writing in an imported scene, so that an earlier import is not replaced
+// either.
 void import_model(const ImportOptions& options);
 
 }  // namespace tandem::launch

@@ -140,7 +140,9 @@ void add_import(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("import", "Make a scene of a URDF model");
   auto options = std::make_shared<ImportOptions>();
   verb->add_option("model", options->model, "URDF file")->required();
-  verb->add_option("-o,--output", options->output, "Scene file; without it the scene is printed");
+  CLI::Option* output =
+      verb->add_option("-o,--output", options->output, "New scene file; without it the scene is printed");
+  verb->add_flag("--replace", options->replace, "Replace that file where it is there")->needs(output);
   CLI::Option* into = verb->add_option("--into", options->into,
                                        "Scene with particles that takes the bodies, joints and walls");
   CLI::Option* material = verb->add_option("--material", options->material,

@@ -2,6 +2,8 @@
 """Scenes whose spheres are placed before the start: the second start, other runs as a start, what describe says."""
 import json
 import os
+import shutil
+import signal
 import subprocess
 import time
 
@@ -75,6 +77,16 @@ class Fill(harness.Case):
         refused = self.run_scene(self.folder / "from_run.json", "--backend", "cpu", out=self.out, expect=2)
         self.assertIn("is an input of this run", refused)
         self.assertEqual(sorted(self.out.rglob("*")), frames, "nothing is deleted")
+        # A copy of the bed whose frames are a link into it.
+        copy = self.folder / "copy"
+        shutil.copytree(self.out, copy, ignore=shutil.ignore_patterns("frames"))
+        (copy / "frames").symlink_to("../out/frames")
+        scene["dem"]["particles"][0]["fill"]["folder"] = "copy"
+        contents = {path: path.read_bytes() for path in frames if path.is_file()}
+        refused = self.run_scene(self.write(scene, "from_copy.json"), "--backend", "cpu", out=self.out, expect=2)
+        self.assertRegex(refused, r"copy/frames/particles_\d+[.]h5: is an input of this run")
+        self.assertEqual({path: path.read_bytes() for path in contents}, contents, "nothing is deleted")
+        scene["dem"]["particles"][0]["fill"]["folder"] = "out"
         self.run_scene(self.folder / "from_run.json", "--transport", "inproc", out=self.folder / "next")
         self.assertEqual(self.summary(self.folder / "next")["spheres"], self.summary()["spheres"])
         scene["dem"]["particles"][0]["fill"]["time"] = 0.013
