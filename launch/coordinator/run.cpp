@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 #include "common/scene/element_columns.hpp"
 #include "common/scene/sensor_columns.hpp"
@@ -22,7 +23,6 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/grain_watches.hpp"
 #include "launch/coordinator/half_steps.hpp"
-#include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/kept_scene.hpp"
 #include "launch/coordinator/progress.hpp"
@@ -534,6 +534,7 @@ int run(const RunOptions& given, Controller* controller) {
     return summary.exit_status();
   }
   summary.write(summary_file);
+  forget_interrupt();  // picture and report of an interrupted run are made; another signal ends them
   if (options.picture && complete) render_picture(options.folder, file.scene);
   if (options.report) write_report(options.folder);
   if (!options.quiet) print_end(summary, options.folder);

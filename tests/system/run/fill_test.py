@@ -98,6 +98,25 @@ class Fill(harness.Case):
         said = self.describe(self.write(scene, "from_run.json"))
         self.assertIn("has no frames of particles (give the folder of a run", said.stderr)
 
+    def test_settling_ends_at_once_when_interrupted(self):
+        scene = json.loads(json.dumps(BED))
+        scene["dem"]["settle"] = {"kinetic_energy": 1e-30, "at_most": 1e4}
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            process = subprocess.Popen([harness.options.bin / "tandem", "run", self.write(scene), "--out", self.out],
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            self.addCleanup(process.kill)
+            while "spheres settle" not in (line := process.stdout.readline()):
+                self.assertTrue(line, "it ended by itself")
+            time.sleep(0.2)
+            begin = time.monotonic()
+            process.send_signal(number)
+            said, _ = process.communicate(timeout=60)
+            print(f"\n  ended {time.monotonic() - begin:.2f} s after signal {number}")
+            self.assertEqual(process.returncode, 130, said)
+            self.assertLess(time.monotonic() - begin, 1 * harness.options.slack)
+            self.assertIn("error: interrupted", said)
+            self.assertFalse(self.out.exists())
+
     def test_describe_says_what_was_placed(self):
         said = self.describe(self.write(BED))
         self.assertEqual(said.returncode, 0, said.stderr)
