@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/error.hpp"
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
@@ -103,6 +104,7 @@ int main(int argc, char** argv) {
 
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
+    end_on_interrupt();
     expect_stack();
     expect_open_files();
     log::setup("tandem");

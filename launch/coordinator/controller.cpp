@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "common/interrupt.hpp"
 #include "common/scene/columns.hpp"
 #include "common/utf8.hpp"
-#include "launch/coordinator/interrupt.hpp"
 
 namespace tandem::launch {
 namespace {

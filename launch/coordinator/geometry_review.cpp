@@ -79,9 +79,11 @@ void review_unit(const ImportedMesh& mesh, bool is_fixed, bool is_there, double 
                   mesh.wall, width, mesh.file, mesh.scale, domain);
   const std::string nowhere = is_there ? "" : ", and no part of it is in the domain at the start";
   if (width > suspiciously_wide * domain || (!is_there && width > wider_than_likely * domain)) {
-    const bool in_mm = width > 50 * domain || width < suspiciously_wide * domain;
-    warnings.push_back(fmt::format("{}{}: is the file in {}? then give \"scale\": {:.6g}", what, nowhere,
-                                   in_mm ? "mm" : "cm", mesh.scale * (in_mm ? 1e-3 : 1e-2)));
+    const bool in_cm = width <= 50 * domain && width >= suspiciously_wide * domain;
+    warnings.push_back(what + nowhere + ": " +
+                       (in_cm
+                            ? fmt::format("is the file in cm? then give \"scale\": {:.6g}", 1e-2 * mesh.scale)
+                            : question_of_scale(width, suspiciously_wide * domain, mesh.scale)));
   } else if (width < suspiciously_small * domain || width < diameter) {
     const std::string why =
         width < diameter ? fmt::format(", less than the smallest sphere's diameter of {:.3g} m", diameter)

@@ -11,9 +11,9 @@
 #include <thread>
 #include <variant>
 
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 #include "common/scene/particle_file.hpp"
-#include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/start_cache.hpp"
 #include "particles/base/memory.hpp"
 #include "sph_server/coupling/liquid_start.hpp"

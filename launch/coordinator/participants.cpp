@@ -8,11 +8,11 @@
 #include <fstream>
 #include <random>
 
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 #include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
-#include "launch/coordinator/interrupt.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"

@@ -60,6 +60,7 @@ class Placing {
       if (const auto* fill = std::get_if<scene::RunFill>(&groups()[i].fill)) {
         file_.inputs.push_back(scene::resolve_file(fill->folder, folder_));
         const RunFrame frame = read_run_frame(file_.inputs.back(), fill->time, place_of(i));
+        file_.inputs.insert(file_.inputs.end(), frame.read.begin(), frame.read.end());
         expect_in_domain(frame.spheres, *given_.dem, place_of(i), "enlarge dem.domain");
         insert(i, frame.spheres, fmt::format("run {}, t = {:.6g} s", fill->folder, frame.time), {});
       }

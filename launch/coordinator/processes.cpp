@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "common/error.hpp"
+#include "common/interrupt.hpp"
 
 extern char** environ;
 
@@ -113,6 +114,7 @@ Process::Process(const Command& command) {
     waitpid(pid_, nullptr, 0);
     throw Error(ErrorCode::resource, "pidfd_open failed: " + std::string(strerror(errno)), name_);
   }
+  if (foreign_) end_with_us(pid_);
 }
 
 Process::Process(Process&& other) noexcept
@@ -136,6 +138,7 @@ Process::~Process() {
       ending(5s);
     }
   }
+  if (foreign_) outlives_us(pid_);
   close(pidfd_);
 }
 
@@ -151,7 +154,10 @@ std::optional<std::string> Process::ending(std::chrono::milliseconds patience) {
   } while (ready < 0 && errno == EINTR);
   if (ready <= 0) return {};
   // Before the process is reaped its number cannot belong to another group.
-  if (foreign_) kill(-pid_, SIGKILL);
+  if (foreign_) {
+    kill(-pid_, SIGKILL);
+    outlives_us(pid_);
+  }
   int status = 0;
   if (waitpid(pid_, &status, 0) != pid_) return ending_ = "is gone";
   if (WIFSIGNALED(status)) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 #include "common/scene/element_columns.hpp"
 #include "common/scene/sensor_columns.hpp"
@@ -22,7 +23,6 @@
 #include "launch/coordinator/coupler.hpp"
 #include "launch/coordinator/grain_watches.hpp"
 #include "launch/coordinator/half_steps.hpp"
-#include "launch/coordinator/interrupt.hpp"
 #include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/kept_scene.hpp"
 #include "launch/coordinator/progress.hpp"
@@ -272,17 +272,20 @@ void Run::conclude() {
     summary_.interrupt();
     return;
   }
+  bool estimate_missing = false;
   if (options_.estimate == Estimate::richardson) {
     protocol::MbdFacts facts = summary_.facts().mbd;
     nlohmann::ordered_json others;
     mbd::add_error_facts(measure_error(), facts, others);
     summary_.add_facts(Role::mbd, protocol::encode_facts(facts, others));
+    estimate_missing = interrupted();
   }
   const auto checks = evaluate(scene_.checks, results_.signals(), nlohmann::json(summary_.json()));
   const bool passed =
       std::all_of(checks.begin(), checks.end(), [](const CheckResult& c) { return c.passed; });
   summary_.set_checks(checks);
   summary_.complete(passed, options_.strict);
+  if (estimate_missing) summary_.interrupt_estimate();
 }
 
 // Steps of the multibody solver, 0 where it has not reported them.
@@ -308,10 +311,8 @@ mbd::ErrorEstimate Run::measure_error() const {
   try {
     Run half(file, options, foreign_, nullptr, folder, summary, nullptr);
     half.execute();
-    if (interrupted())
-      estimate.reason = "the run with half the steps was interrupted";
-    else if (!summary_.facts().mbd.steps || !summary.facts().mbd.steps ||
-             summary_.facts().mbd.size.value_or(0) <= 0)
+    if (!summary_.facts().mbd.steps || !summary.facts().mbd.steps ||
+        summary_.facts().mbd.size.value_or(0) <= 0)
       estimate.reason = "mbd_steps and mbd_size_m are " + summary_.not_reported(Role::mbd);
     else
       // Adaptive windows may be shorter than two steps, and a foreign solver may take steps of its own.
@@ -322,6 +323,11 @@ mbd::ErrorEstimate Run::measure_error() const {
     log::warn("the run with half the steps: {}", error.what());
     summary.fail(error);
     estimate.reason = fmt::format("the run with half the steps failed: {}", error.what());
+  }
+  if (interrupted()) {
+    estimate = {};
+    estimate.reason = "the run with half the steps was interrupted";
+    log::warn("{}: this run is complete, but for the estimate of its error", estimate.reason);
   }
   estimate.steps = steps_of(summary);
   estimate.cpu_seconds = summary.facts().mbd.solver_cpu_seconds.value_or(0);
@@ -534,6 +540,7 @@ int run(const RunOptions& given, Controller* controller) {
     return summary.exit_status();
   }
   summary.write(summary_file);
+  forget_interrupt();  // picture and report of an interrupted run are made; another signal ends them
   if (options.picture && complete) render_picture(options.folder, file.scene);
   if (options.report) write_report(options.folder);
   if (!options.quiet) print_end(summary, options.folder);

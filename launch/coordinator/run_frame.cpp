@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "common/utf8.hpp"
 #include "launch/results/series/hdf5.hpp"
+#include "launch/run_folder/own_files.hpp"
 #include "launch/run_folder/run_state.hpp"
 
 namespace tandem::launch {
@@ -73,6 +74,9 @@ RunFrame read_run_frame(const fs::path& folder, std::optional<double> time, cons
     refuse(fmt::format("that run has no frame at {:.9g} s", time.value_or(0)),
            fmt::format("the nearest of its {} frames is at {:.9g} s, and the last one at {:.9g} s",
                        frames.size(), nearest, last));
+  frame.read = {file->path()};
+  std::error_code unknown;
+  if (fs::exists(folder / summary_name, unknown)) frame.read.push_back(folder / summary_name);
   frame.spheres.positions = rows_of(file->read_doubles("/position"));
   frame.spheres.velocities = rows_of(file->read_doubles("/velocity"));
   frame.spheres.spins = rows_of(file->read_doubles("/spin"));

@@ -4,14 +4,16 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/scene/particle_file.hpp"
 
 namespace tandem::launch {
 
 struct RunFrame {
-  scene::ParticleFile spheres;  // with radius, velocity and spin
-  double time = 0;              // [s]
+  scene::ParticleFile spheres;              // with radius, velocity and spin
+  double time = 0;                          // [s]
+  std::vector<std::filesystem::path> read;  // the files
 };
 
 // The frame at `time`, or the last one. `where` names the fill in errors. Throws Error{scene} with the times

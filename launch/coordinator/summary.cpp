@@ -305,6 +305,11 @@ void Summary::interrupt() {
   end(Status::failed, reason_interrupted, tandem::exit_status(ErrorCode::interrupted));
 }
 
+void Summary::interrupt_estimate() {
+  exit_status_ = tandem::exit_status(ErrorCode::interrupted);
+  own("exit_status") = exit_status_;
+}
+
 void Summary::fail(const Error& error) {
   judge();
   end(Status::failed, std::string(tandem::name(error.code())).c_str(), tandem::exit_status(error.code()));

@@ -67,6 +67,9 @@ class Summary {
   // `failed` if a check failed. With `strict` a suspect run has exit status 1.
   void complete(bool checks_passed, bool strict);
   void interrupt();
+  // After complete(): the run with half the steps was interrupted. This run keeps its status, and the exit
+  // status says that the estimate is missing.
+  void interrupt_estimate();
   void fail(const Error& error);
 
   // What the solvers have reported so far.

@@ -118,6 +118,10 @@ void import_model(const ImportOptions& options) {
     if (!options.output.empty() && !input.empty() && fs::equivalent(options.output, input, unknown))
       throw Error(ErrorCode::usage, "is an input of this import: it would be overwritten",
                   options.output.string(), "give another --output");
+  if (!options.replace && fs::symlink_status(options.output, unknown).type() != fs::file_type::not_found &&
+      !options.output.empty())
+    throw Error(ErrorCode::usage, "is there: it would be overwritten", options.output.string(),
+                "give another --output, or --replace");
   const bool is_step = format_of(options.model) == ModelFormat::step;
   expect_options_of(is_step, options);
   const Imported imported = is_step ? import_step(options) : import_urdf(options);

@@ -34,6 +34,7 @@ struct ImportOptions {
   // URDF: one name, of the walls, of that scene. STEP: "PATTERN=NAME" of parts, of that scene or of the
   // library.
   std::vector<std::string> materials;
+  bool replace = false;  // whether a file that is there is replaced
   bool free_root = false;
   std::optional<StopStiffness> stops;  // for joints with limits; absent: a note reports the limits
   // STEP: of the parts that a pattern matches (docs/cad_import.md).
@@ -60,7 +61,9 @@ struct Imported {
 // Throws Error{scene} that names the link or joint. The scene has passed the checks of `tandem validate`.
 Imported import_urdf(const ImportOptions& options);
 
-// Writes the scene and its meshes, the tables to standard output, and the notes to standard error.
+// Writes the scene and its meshes, the tables to standard output, and the notes to standard error. Throws
+// Error{usage} where the file is there and is not to be replaced: people go on writing in an imported scene,
+// so that an earlier import is not replaced either.
 void import_model(const ImportOptions& options);
 
 }  // namespace tandem::launch

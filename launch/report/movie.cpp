@@ -9,6 +9,7 @@
 #include <cstdlib>
 
 #include "common/error.hpp"
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
 #include "launch/report/liquid_surface.hpp"
@@ -158,6 +159,10 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
     log::warn("the run has its first and its last frame only: output.frame_interval of the scene gives more");
 
   const fs::path out = options.out.empty() ? folder / "movie.mp4" : options.out;
+  const InterruptGuard guard;
+  const auto expect_no_interrupt = [&] {
+    if (interrupted()) throw Error(ErrorCode::interrupted, "the film was interrupted", out.string());
+  };
   const Stills stills(folder);
   const auto begin = std::chrono::steady_clock::now();
   double first = 0, last = 0;  // [s]
@@ -166,7 +171,9 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
     (i == 0 ? first : last) = frame.time;
     view.title = fmt::format("{}   t = {:.4g} s", scene.name, frame.time);
     const std::string still = fmt::format("still_{:06}", i);
-    if (!render(stills.folder(), still, frame, scene, view))
+    const bool drawn = render(stills.folder(), still, frame, scene, view);
+    expect_no_interrupt();
+    if (!drawn)
       throw Error(ErrorCode::resource, "POV-Ray did not draw " + names[i], folder.string(),
                   "the warning before this says why");
     if (i == 0) {
@@ -199,6 +206,7 @@ std::filesystem::path make_movie(const fs::path& folder, const scene::Scene& sce
   if (!done || failure) {
     std::error_code ignored;
     fs::remove(draft, ignored);
+    expect_no_interrupt();
     throw Error(ErrorCode::resource,
                 "the film could not be written" + (failure ? ": " + failure.message() : std::string()),
                 out.string(), "the warning before this says why");

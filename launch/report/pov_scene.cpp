@@ -345,6 +345,9 @@ bool render(const std::filesystem::path& folder, const std::string& name, const 
        .log = std::filesystem::absolute(log_file),
        .patience = std::chrono::seconds(300)});
   std::filesystem::remove(text);  // its numbers are in the HDF5 files
+  std::error_code ignored;
+  if (!done)
+    for (const char* part : {".png", ".pov-state"}) std::filesystem::remove(folder / (name + part), ignored);
   return done;
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 #include "launch/report/camera.hpp"
 #include "launch/report/own_picture.hpp"
@@ -66,7 +67,11 @@ void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, c
   // one is complete.
   const std::filesystem::path folder = std::filesystem::absolute(out).parent_path();
   const std::string draft = fmt::format("{}.{}.part", out.stem().string(), getpid());
+  const InterruptGuard guard;
   const bool done = render(folder, draft, start, scene, view, more);
+  if (!done && interrupted())
+    throw Error(ErrorCode::interrupted, "the preview was interrupted while POV-Ray was drawing",
+                out.string());
   std::error_code failure;
   if (done) mark_picture(folder / (draft + ".png"));
   if (done) std::filesystem::rename(folder / (draft + ".png"), out, failure);

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,12 +10,17 @@
 #include <cstring>
 #include <thread>
 
+#include "common/interrupt.hpp"
 #include "common/log.hpp"
 
 namespace tandem::launch {
 namespace {
 
 constexpr int not_found = 127;  // exit status of a child that could not execute the tool, as in a shell
+
+int signal_of_interrupt(const Tool& tool) {
+  return tool.ends_in_order ? SIGHUP : SIGKILL;
+}
 
 pid_t start(const Tool& tool) {
   // All allocations are made before the fork.
@@ -23,8 +29,15 @@ pid_t start(const Tool& tool) {
   for (const std::string& argument : tool.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
 
-  const pid_t child = fork();
+  const pid_t parent = getpid(), child = fork();
   if (child != 0) return child;
+  // Of the thread that waits for it.
+  prctl(PR_SET_PDEATHSIG, signal_of_interrupt(tool));
+  if (getppid() != parent) _exit(not_found - 1);
+  if (tool.ends_in_order) {
+    setpgid(0, 0);
+    signal(SIGHUP, SIG_DFL);  // also under nohup
+  }
   const int out = open(log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   const int in = open("/dev/null", O_RDONLY);
   if (out < 0 || in < 0 || chdir(folder.c_str()) != 0) _exit(not_found - 1);
@@ -48,6 +61,10 @@ ToolEnd wait_for_tool(const Tool& tool) {
   const auto deadline = std::chrono::steady_clock::now() + tool.patience;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
+    if (interrupted() && !end.interrupted) {
+      end.interrupted = true;
+      kill(child, signal_of_interrupt(tool));
+    }
     if (std::chrono::steady_clock::now() > deadline) {
       kill(child, SIGKILL);
       waitpid(child, &status, 0);
@@ -64,8 +81,9 @@ ToolEnd wait_for_tool(const Tool& tool) {
 bool run_tool(const Tool& tool) {
   const ToolEnd end = wait_for_tool(tool);
   const bool missing = end.status == not_found;
-  if (end.status == 0 || missing) std::filesystem::remove(tool.log);
+  if (end.status == 0 || missing || end.interrupted) std::filesystem::remove(tool.log);
   if (end.status == 0) return true;
+  if (end.interrupted) return false;
   if (!end.started) {
     log::warn("{} could not be started: {}", tool.program, std::strerror(errno));
   } else if (end.timed_out) {

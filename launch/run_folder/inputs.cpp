@@ -1,5 +1,6 @@
 #include "launch/run_folder/inputs.hpp"
 
+#include <set>
 #include <system_error>
 
 #include "common/error.hpp"
@@ -36,25 +37,36 @@ void expect_file_kept(const fs::path& file, const fs::path& folder, const fs::pa
         file.string(), "give another --out than " + shown.string() + ", or move the file");
 }
 
+// A folder elsewhere, with perhaps very many frames, can only have links into the one of the results. A
+// folder that such a link leads to is looked at as well.
+void expect_folder_kept(const fs::path& folder, const fs::path& target, const fs::path& shown,
+                        std::set<fs::path>& seen) {
+  std::error_code failure;
+  const fs::path given = fs::weakly_canonical(fs::absolute(folder), failure);
+  if (!seen.insert(given).second) return;
+  const bool apart = !is_inside(given, target) && !is_inside(target, given);
+  for (fs::directory_iterator at(folder, failure), end; !failure && at != end; at.increment(failure)) {
+    std::error_code unknown;
+    const bool link = at->is_symlink(unknown);
+    if (!at->is_directory(unknown)) {
+      if (!apart || link) expect_file_kept(at->path(), target, shown);
+    } else if (!link || is_inside(fs::weakly_canonical(fs::absolute(at->path()), unknown), target)) {
+      expect_folder_kept(at->path(), target, shown, seen);
+    }
+  }
+}
+
 }  // namespace
 
 void expect_kept(const std::vector<fs::path>& inputs, const fs::path& folder) {
   std::error_code failure;
   const fs::path target = fs::weakly_canonical(fs::absolute(folder), failure);
   for (const fs::path& input : inputs) {
-    if (!fs::is_directory(input, failure)) {
+    std::set<fs::path> seen;
+    if (fs::is_directory(input, failure))
+      expect_folder_kept(input, target, folder, seen);
+    else
       expect_file_kept(input, target, folder);
-      continue;
-    }
-    // A folder elsewhere, with perhaps very many frames, can only have links into this one.
-    const fs::path given = fs::weakly_canonical(fs::absolute(input), failure);
-    const bool apart = !is_inside(given, target) && !is_inside(target, given);
-    for (fs::recursive_directory_iterator at(input, failure), end; !failure && at != end;
-         at.increment(failure)) {
-      std::error_code unknown;
-      if (at->is_directory(unknown) || (apart && !at->is_symlink(unknown))) continue;
-      expect_file_kept(at->path(), target, folder);
-    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/error.hpp"
+#include "common/interrupt.hpp"
 #include "launch/report/tool.hpp"
 
 namespace tandem::launch {
@@ -21,7 +22,8 @@ void run(const Job& job) {
                           "--threads", std::to_string(job.threads), "--no-picture", "--no-report", "--quiet"},
             .folder = ".",
             .log = std::filesystem::absolute(job.folder).string() + ".log",
-            .patience = std::chrono::seconds(std::llround(std::ceil(job.limit)))};
+            .patience = std::chrono::seconds(std::llround(std::ceil(job.limit))),
+            .ends_in_order = true};
   tool.arguments.insert(tool.arguments.end(), job.arguments.begin(), job.arguments.end());
   const ToolEnd end = wait_for_tool(tool);
   if (!end.started) throw Error(ErrorCode::resource, "a run could not be started", tool.program);
@@ -41,7 +43,7 @@ void run_jobs(const std::vector<Job>& jobs, int side_by_side,
   std::mutex mutex;
   std::exception_ptr failure;
   const auto work = [&] {
-    for (std::size_t i; (i = next++) < jobs.size();) {
+    for (std::size_t i; !interrupted() && (i = next++) < jobs.size();) {
       const auto begin = std::chrono::steady_clock::now();
       try {
         run(jobs[i]);

@@ -20,6 +20,7 @@ struct Job {
 inline constexpr const char* stopped_at_limit = "stopped at the limit";
 
 // Runs `side_by_side` jobs at a time, in order. Calls `done(i, seconds)` after job i, one call at a time.
+// After an interrupt the runs end after their windows, and no further one starts.
 void run_jobs(const std::vector<Job>& jobs, int side_by_side,
               const std::function<void(std::size_t, double)>& done);
 

@@ -12,7 +12,7 @@ namespace tandem::launch {
 
 struct Row {
   PlannedRun run;
-  std::string status;          // "ok", "suspect", "diverged", "failed", "died", "timed_out"
+  std::string status;          // "ok", "suspect", "diverged", "failed", "died", "running", "timed_out"
   std::string problem;         // what ended it, or the objection of the verdict; empty where the run is ok
   std::vector<double> errors;  // one for each measure; NaN: unknown
   double cpu = 0;              // time of both solvers' own work [s]

@@ -11,6 +11,7 @@
 #include "common/cores.hpp"
 #include "common/error.hpp"
 #include "common/file_draft.hpp"
+#include "common/interrupt.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "common/utf8.hpp"
@@ -81,6 +82,28 @@ void expect_servers(const Study& study, const Plan& plan, const StudyOptions& op
   }
 }
 
+void expect_no_interrupt(const fs::path& folder) {
+  if (interrupted())
+    throw Error(ErrorCode::interrupted, "the study was interrupted", folder.string(),
+                "the same command continues where it stopped");
+}
+
+// A run of an earlier call that goes on would refuse its folder to the new one.
+void expect_no_run_in(const fs::path& folder) {
+  const RunState there = read_run(folder);
+  if (there.status == name(Status::running))
+    throw Error(ErrorCode::usage,
+                fmt::format("a run of this study is still in progress: pid {} on {}",
+                            there.marker ? there.marker->pid : 0, there.marker ? there.marker->host : "?"),
+                folder.string(), "wait for its end, or end it: tandem stop " + folder.string());
+}
+
+// Whether the study lacks the row's result: the same command runs it again.
+bool is_missing(const Row& row) {
+  return row.status == name(Status::died) || row.status == name(Status::running) ||
+         row.status == name(Status::failed);
+}
+
 class StudyFolder {
  public:
   StudyFolder(const Study& study, const StudyOptions& options)
@@ -117,6 +140,7 @@ class StudyFolder {
                all - missing.size(), jobs_);
     std::fflush(stdout);
 
+    for (const PlannedRun* run : missing) expect_no_run_in(results(*run));
     std::vector<Job> jobs;
     for (const PlannedRun* run : missing) {
       const fs::path scene = folder_ / "scenes" / (run->key + ".json");
@@ -125,6 +149,7 @@ class StudyFolder {
     }
     std::size_t finished = all - missing.size();
     run_jobs(jobs, jobs_, [&](std::size_t i, double seconds) {
+      expect_no_interrupt(folder_);
       auto [marker, summary, status] = read_run(jobs[i].folder);
       if (status.empty()) status = name(Status::failed);
       if (status == name(Status::died) && seconds >= study_.limit) status = "timed out";
@@ -136,6 +161,7 @@ class StudyFolder {
       fmt::print("[{}/{}] {}: {}, {:.1f} s\n", ++finished, all, label, status, seconds);
       std::fflush(stdout);
     });
+    expect_no_interrupt(folder_);
   }
 
   Truth truth(const Plan& plan) const {
@@ -242,13 +268,22 @@ int study(const StudyOptions& options) {
   const std::vector<Wish> wishes = wishes_of(options.want, study);
   const Plan plan = make_plan(study, {options.mbd_server.value_or(""), options.dem_server.value_or("")});
   expect_servers(study, plan, options);
+  const InterruptGuard guard;
   const StudyFolder folder(study, options);
   folder.complete(plan);
   const std::vector<Row> rows = folder.rows(plan);
   folder.say(reading_of(study, plan, rows));
   const bool drawn = folder.plot();
+  expect_no_interrupt(options.folder);
 
   int status = 0;
+  if (const auto missing = std::ranges::count_if(rows, is_missing); missing > 0) {
+    fmt::print(
+        "\n{} of {} runs have no result, as they died or failed: the column problem of results.csv says why; "
+        "the same command repeats them\n",
+        missing, rows.size());
+    status = 1;
+  }
   for (const Wish& wish : wishes) {
     const std::string& name = study.measures[wish.measure].name;
     if (const auto best = cheapest(rows, wish.measure, wish.error)) {

@@ -20,7 +20,8 @@ struct StudyOptions {
   std::vector<std::string> want;     // "position=1e-3": required error of the cheapest setting
 };
 
-// Returns the exit status: 0; 1 where no setting has the required errors.
+// Returns the exit status: 0; 1 where no setting has the required errors, and where a run has died or failed.
+// Throws Error{interrupted} after Ctrl-C or SIGTERM, when its runs have ended after their windows.
 int study(const StudyOptions& options);
 
 }  // namespace tandem::launch

@@ -98,7 +98,7 @@ Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, co
     row.problem = last_words(fs::path(folder.string() + ".log"));
     row.status = row.problem.starts_with(stopped_at_limit) ? "timed_out"
                  : row.summary.empty()                     ? name(Status::failed)
-                                                           : name(Status::died);
+                                                           : status;
     if (row.problem.empty())
       row.problem = row.summary.empty() ? "it left no summary.json" : "its program ended without a word";
     row.summary = json::object();

@@ -150,7 +150,9 @@ void add_import(CLI::App& app) {
     return verb->add_option(name, values, meaning)->allow_extra_args(false);
   };
   verb->add_option("model", options->model, "STEP or URDF file")->required();
-  verb->add_option("-o,--output", options->output, "Scene file; of URDF, without it the scene is printed");
+  CLI::Option* output = verb->add_option("-o,--output", options->output,
+                                         "New scene file; of URDF, without it the scene is printed");
+  verb->add_flag("--replace", options->replace, "Replace that file where it is there")->needs(output);
   CLI::Option* into = verb->add_option("--into", options->into,
                                        "Scene with particles that takes the bodies, joints and walls");
   CLI::Option* material = add_list(

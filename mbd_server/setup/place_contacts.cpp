@@ -66,8 +66,13 @@ struct ContactPlacer {
     for (const Vec3d& p : file_of(at.scene, shape, meshes).vertices)
       low = low.cwiseMin(to_eigen(p)), high = high.cwiseMax(to_eigen(p));
     const double scale = scene::scale_of(shape.geometry);
-    return fmt::format("{} is {:.4g} m wide with a scale of {:.3g}{}", name, (high - low).maxCoeff(), scale,
-                       scale == 1 ? ": a file in millimetres needs \"scale\": 0.001" : "");
+    const double width = (high - low).maxCoeff();
+    // In millimetres, what is wider would still be more than a kilometre wide.
+    const bool micro = width >= 1e6;
+    return fmt::format("{} is {:.4g} m wide with a scale of {:.3g}{}", name, width, scale,
+                       scale != 1 ? ""
+                       : micro    ? ": a file in micrometres needs \"scale\": 1e-06"
+                                  : ": a file in millimetres needs \"scale\": 0.001");
   }
 
   void add(const scene::Shape& shape) {

@@ -2,6 +2,7 @@
 """tandem conform as a command: our servers over both transports, wrong programs, the report."""
 import html.parser
 import json
+import signal
 import subprocess
 
 import harness
@@ -103,6 +104,30 @@ class Conform(Case):
             status, said, error = self.conform(*arguments)
             self.assertEqual(status, 2, said + error)
             self.assertIn(part, error)
+
+    def test_its_own_input_is_not_overwritten(self):
+        scene = self.folder / "tandem_conform.json"
+        text = (harness.SCENES.parents[2] / "launch/scenes/spring_box.json").read_text()
+        scene.write_text(text)
+        status, _, error = self.conform("mbd_server", "--role", "mbd", "--scene", scene, "--out", ".")
+        self.assertEqual(status, 2)
+        self.assertIn("tandem_conform.json: is an input of this tandem conform", error)
+        status, _, error = self.conform("mbd_server", "--role", "mbd", "--out", ".")
+        self.assertEqual(status, 2)
+        self.assertIn("tandem_conform.json: is there, and tandem conform has not written it", error)
+        self.assertEqual(scene.read_text(), text)
+
+    def test_a_signal_ends_a_participant_that_hangs(self):
+        (self.folder / "hang").write_text("#!/bin/sh\necho $$ > pid\nwhile :; do sleep 0.1; done\n")
+        (self.folder / "hang").chmod(0o755)
+        process = subprocess.Popen([options.bin / "tandem", "conform", "./hang", "--role", "mbd", "--patience", "100"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        pid = int(harness.until(lambda: (self.folder / "pid").exists() and (self.folder / "pid").read_text(), 60))
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=10)
+        self.assertEqual((process.returncode, said), (130, "error: interrupted\n"))
+        self.assertTrue(harness.until(lambda: not harness.alive(pid), 5))
 
     def test_list(self):
         status, said, _ = self.conform("--role", "dem", "--list")

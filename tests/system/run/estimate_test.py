@@ -4,6 +4,8 @@ import csv
 import json
 import math
 import os
+import signal
+import subprocess
 
 import harness
 from harness import Case
@@ -32,6 +34,25 @@ class Estimate(Case):
         print(f"\n  {what}: {estimate:.3g} estimated, {error:.3g} true", end="")
         self.assertGreater(estimate, error / 3, what)
         self.assertLess(estimate, error * 3, what)
+
+    def test_an_interrupt_of_the_second_run_is_said(self):
+        scene = json.loads((harness.SCENES / "pendulum.json").read_text())
+        scene.pop("checks", None)
+        scene["end_time"] = 20
+        (self.folder / "long.json").write_text(json.dumps(scene))
+        process = subprocess.Popen([harness.options.bin / "tandem", "run", self.folder / "long.json", "--out", self.out, "--estimate", "richardson",
+                                    "--no-picture", "--no-report"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.kill)
+        self.assertTrue(harness.until((self.out / "half_steps" / "bodies.csv").exists, 60))
+        servers = harness.children(process.pid).values()
+        process.send_signal(signal.SIGTERM)
+        said, _ = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, said)
+        self.assertFalse(any(map(harness.alive, servers)))
+        self.assertRegex(said, "this run is complete, but for the estimate of its error")
+        summary = self.summary()
+        self.assertEqual((summary["status"], summary["exit_status"]), ("ok", 130))
+        self.assertEqual(summary[POSITION], "not estimated: the run with half the steps was interrupted")
 
     def test_pendulum(self):
         def coarse(scene):

@@ -2,6 +2,8 @@
 """Scenes whose spheres are placed before the start: the second start, other runs as a start, what describe says."""
 import json
 import os
+import shutil
+import signal
 import subprocess
 import time
 
@@ -75,6 +77,16 @@ class Fill(harness.Case):
         refused = self.run_scene(self.folder / "from_run.json", "--backend", "cpu", out=self.out, expect=2)
         self.assertIn("is an input of this run", refused)
         self.assertEqual(sorted(self.out.rglob("*")), frames, "nothing is deleted")
+        # A copy of the bed whose frames are a link into it.
+        copy = self.folder / "copy"
+        shutil.copytree(self.out, copy, ignore=shutil.ignore_patterns("frames"))
+        (copy / "frames").symlink_to("../out/frames")
+        scene["dem"]["particles"][0]["fill"]["folder"] = "copy"
+        contents = {path: path.read_bytes() for path in frames if path.is_file()}
+        refused = self.run_scene(self.write(scene, "from_copy.json"), "--backend", "cpu", out=self.out, expect=2)
+        self.assertRegex(refused, r"copy/frames/particles_\d+[.]h5: is an input of this run")
+        self.assertEqual({path: path.read_bytes() for path in contents}, contents, "nothing is deleted")
+        scene["dem"]["particles"][0]["fill"]["folder"] = "out"
         self.run_scene(self.folder / "from_run.json", "--transport", "inproc", out=self.folder / "next")
         self.assertEqual(self.summary(self.folder / "next")["spheres"], self.summary()["spheres"])
         scene["dem"]["particles"][0]["fill"]["time"] = 0.013
@@ -85,6 +97,25 @@ class Fill(harness.Case):
         scene["dem"]["particles"][0]["fill"] = {"type": "run", "folder": "nowhere"}
         said = self.describe(self.write(scene, "from_run.json"))
         self.assertIn("has no frames of particles (give the folder of a run", said.stderr)
+
+    def test_settling_ends_at_once_when_interrupted(self):
+        scene = json.loads(json.dumps(BED))
+        scene["dem"]["settle"] = {"kinetic_energy": 1e-30, "at_most": 1e4}
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            process = subprocess.Popen([harness.options.bin / "tandem", "run", self.write(scene), "--out", self.out],
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            self.addCleanup(process.kill)
+            while "spheres settle" not in (line := process.stdout.readline()):
+                self.assertTrue(line, "it ended by itself")
+            time.sleep(0.2)
+            begin = time.monotonic()
+            process.send_signal(number)
+            said, _ = process.communicate(timeout=60)
+            print(f"\n  ended {time.monotonic() - begin:.2f} s after signal {number}")
+            self.assertEqual(process.returncode, 130, said)
+            self.assertLess(time.monotonic() - begin, 1 * harness.options.slack)
+            self.assertIn("error: interrupted", said)
+            self.assertFalse(self.out.exists())
 
     def test_describe_says_what_was_placed(self):
         said = self.describe(self.write(BED))

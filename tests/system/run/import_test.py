@@ -66,6 +66,15 @@ class Import(Case):
         self.assertIn('"name": "two_links"', scene)
         self.assertEqual(notes, "")
 
+    def test_a_file_that_is_there_is_replaced_when_asked_only(self):
+        scene = self.folder / "scene.json"
+        scene.write_text("mine")
+        _, said = self.say(harness.SCENES / "two_links.urdf", "-o", scene, expect=2)
+        self.assertIn("scene.json: is there: it would be overwritten (give another --output, or --replace)", said)
+        self.assertEqual(scene.read_text(), "mine")
+        self.say(harness.SCENES / "two_links.urdf", "-o", scene, "--replace")
+        self.assertIn('"name": "two_links"', scene.read_text())
+
     def test_wrong_model_is_exit_status_2(self):
         path = self.folder / "wrong.urdf"
         path.write_text((harness.SCENES / "two_links.urdf").read_text().replace('mass value="2"', 'mass value="heavy"'))

@@ -3,7 +3,9 @@
 import csv
 import json
 import os
+import signal
 import subprocess
+import time
 import unittest
 
 import harness
@@ -35,6 +37,29 @@ class Show(Case):
         for _ in range(2):  # the second one replaces the first
             self.say("preview", harness.SCENES / "pendulum.json", "-o", "a.png")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["a.png", "hanging_box_preview.png"])
+
+    def test_preview_ends_within_a_second_when_interrupted(self):
+        tools = self.folder / "tools"
+        tools.mkdir()
+        (tools / "povray").write_text("#!/bin/sh\necho part > ${2#+O}\necho $$ > pid\nexec sleep 100\n")
+        (tools / "povray").chmod(0o755)
+        picture = self.folder / "picture"
+        picture.mkdir()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            process = subprocess.Popen([options.bin / "tandem", "preview", harness.SCENES / "hanging_box.json"], cwd=picture,
+                                       stderr=subprocess.PIPE, text=True, env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"},
+                                       preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))  # as a script with `&`
+            self.addCleanup(process.kill)
+            drawing = harness.until(lambda: (picture / "pid").exists() and (picture / "pid").read_text(), 60)
+            begin = time.monotonic()
+            process.send_signal(number)
+            _, said = process.communicate(timeout=60)
+            print(f"\n  ended {time.monotonic() - begin:.2f} s after signal {number}: {said}")
+            self.assertEqual(process.returncode, 130, said)
+            self.assertLess(time.monotonic() - begin, 1 * options.slack)
+            self.assertFalse(harness.alive(int(drawing)))
+            (picture / "pid").unlink()
+            self.assertEqual(list(picture.iterdir()), [])
 
     def test_preview_refuses(self):
         scene = harness.SCENES / "pendulum.json"

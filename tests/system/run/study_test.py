@@ -2,7 +2,9 @@
 """`tandem study`: rows, order, resumption and the cheapest setting, on a pendulum of 0.2 s."""
 import csv
 import json
+import os
 import re
+import signal
 import subprocess
 
 import harness
@@ -94,6 +96,67 @@ class Study(Case):
         self.assertRegex(self.rows()[0]["problem"], "the largest overlap is .* use young = ")
         self.assertRegex(said, r"\(suspect: the largest overlap is")
         self.assertTrue(self.rows()[0]["error_overlap"])
+
+    def start_endless(self, runs):
+        """A study whose runs would take hours; returns when all of them are in progress."""
+        self.study.pop("order_in")
+        self.study["set"] = [{"of": "end_time", "value": 1e5}, {"of": "window", "value": 0.05}]
+        self.study["sweep"] = [{"of": "mbd_step", "values": [1e-6, 2e-6][:runs]}]
+        self.study["reference"] = {"type": "table", "times": [1e5], "signals": [{"of": "hinge.q", "values": [0]}]}
+        self.file.write_text(json.dumps(self.study))
+        process = subprocess.Popen([options.bin / "tandem", "study", self.file, "--out", self.out, "--jobs", str(runs)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.kill)
+        begun = harness.until(lambda: len(list(self.out.glob("runs/*/bodies.csv"))) == runs, 60)
+        self.assertTrue(begun)
+        return process
+
+    def pids(self):
+        return [json.loads(path.read_text())["pid"] for path in self.out.glob("runs/*/tandem_run.json")]
+
+    def check_runs_end(self, number):
+        process = self.start_endless(2)
+        process.send_signal(number)
+        said, _ = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, said)
+        self.assertIn("the study was interrupted", said)
+        self.assertEqual([pid for pid in self.pids() if harness.alive(pid)], [])
+        reasons = [json.loads(path.read_text())["reason"] for path in self.out.glob("runs/*/summary.json")]
+        self.assertEqual(reasons, ["interrupted"] * 2)
+        self.assertFalse((self.out / "results.csv").exists())
+
+    def test_sigterm_to_it_alone_ends_its_runs(self):
+        self.check_runs_end(signal.SIGTERM)
+
+    def test_ctrl_c_to_it_alone_ends_its_runs(self):
+        self.check_runs_end(signal.SIGINT)
+
+    def test_runs_that_go_on_or_died_are_said(self):
+        process = self.start_endless(1)
+        first, = self.pids()
+        said = self.run_study(expect=2)
+        self.assertRegex(said, rf"a run of this study is still in progress: pid {first} on .*tandem stop ")
+        self.assertFalse((self.out / "results.csv").exists())
+        os.kill(first, signal.SIGKILL)
+        said, _ = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1, said)
+        self.assertEqual([row["status"] for row in self.rows()], ["died"])
+        self.assertIn("1 of 1 runs have no result, as they died or failed", said)
+
+    def test_its_runs_end_with_it(self):
+        process = self.start_endless(1)
+        process.kill()
+        process.communicate()
+        self.assertTrue(harness.until(lambda: not any(map(harness.alive, self.pids())), 60))
+
+    def test_its_own_input_is_not_overwritten(self):
+        self.out.mkdir()
+        self.file = self.out / "tandem_study.json"
+        self.assertIn("tandem_study.json: is an input of this tandem study", self.run_study(expect=2))
+        self.assertEqual(json.loads(self.file.read_text()), self.study)
+        self.file = self.folder / "study.json"
+        self.assertIn("tandem_study.json: is there, and tandem study has not written it", self.run_study(expect=2))
+        self.assertEqual([path.name for path in self.out.iterdir()], ["tandem_study.json"])
 
     def test_wrong_requests_are_exit_status_2(self):
         self.assertIn("--want: there is no measure 'angel' (did you mean 'angle'?)",

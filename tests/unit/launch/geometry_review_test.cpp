@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "launch/coordinator/contact_sizes.hpp"
+
 namespace tandem::launch {
 namespace {
 
@@ -290,6 +292,27 @@ TEST(GeometryReview, ShapesOfContactInAnotherUnitAreNamed) {
               ElementsAre(HasSubstr("\"tooth\" of contact is 1e+30 m wide")));
   EXPECT_THAT(reviewed(with_contact(0.1, 1e30)).warnings,
               ElementsAre(HasSubstr("\"floor\" of contact is 1e+30 m wide")));
+  // Ground in mm; a size that the scene itself gives may be large.
+  EXPECT_THAT(reviewed(with_contact(0.1, 1500)).warnings, IsEmpty()) << "a map";
+  SceneFile large = with_contact(0.1, 3000);
+  EXPECT_THAT(
+      reviewed(large).warnings,
+      ElementsAre("shape \"floor\" of contact is 3e+03 m wide, by floor.stl with a scale of 1, and the rest "
+                  "of the machine 1 m: is the file in mm? then give \"scale\": 0.001"));
+  large.scene.contact->ground.front().geometry = scene::BoxShape{};
+  EXPECT_THAT(reviewed(large).warnings, IsEmpty());
+}
+
+// A scale that still leaves a machine of kilometres is none to try.
+TEST(GeometryReview, TheScaleFits) {
+  EXPECT_THAT(reviewed(with_contact(1e6, 50)).warnings,
+              ElementsAre(HasSubstr("is the file in micrometres? then give \"scale\": 1e-06")));
+  EXPECT_THAT(reviewed(with_contact(0.1, 1e8)).warnings,
+              ElementsAre(HasSubstr("is the file in micrometres? then give \"scale\": 1e-06")));
+  EXPECT_THAT(
+      reviewed(with_contact(1e12, 50)).warnings,
+      ElementsAre(HasSubstr("neither mm nor micrometres make it fit: check the file and its \"scale\"")));
+  EXPECT_EQ(question_of_scale(1e6, 20, 0.5), "is the file in micrometres? then give \"scale\": 5e-07");
 }
 
 }  // namespace

@@ -174,6 +174,13 @@ TEST_F(RunFolderTest, NoInputOfTheRunIsDeleted) {
       EXPECT_THAT(refused(input, folder), testing::HasSubstr("is an input of this run")) << input;
       EXPECT_EQ(there(), before) << input;
     }
+  // A copy of the folder, with a link to its frames; and a link back to itself.
+  fs::create_directories(base_ / "copy" / "inner");
+  fs::create_directory_symlink("../../run/frames", base_ / "copy" / "inner" / "frames");
+  fs::create_directory_symlink("..", base_ / "copy" / "inner" / "back");
+  for (const fs::path& input : {base_ / "copy", base_ / "copy/inner/frames/particles_000012.h5"})
+    EXPECT_THAT(refused(input, run_), testing::HasSubstr("is an input of this run")) << input;
+  EXPECT_EQ(there(), before);
   touch(run_ / "bed.csv");
   EXPECT_EQ(refused(run_ / "bed.csv", run_), "none") << "no run deletes it";
   EXPECT_FALSE(fs::exists(run_ / "bodies.csv"));
@@ -208,9 +215,38 @@ TEST_F(RunFolderTest, OtherVerbsClaimTheirFoldersToo) {
   fs::create_directory_symlink(run_, base_ / "link");
   EXPECT_THAT(refused(base_ / "link" / "results.csv"),
               testing::HasSubstr("is an input of this tandem study"));
+  EXPECT_THAT(refused(run_ / "tandem_study.json"), testing::HasSubstr("is an input of this tandem study"));
+  fs::create_symlink(base_ / "elsewhere.json", run_ / "scenes");
+  EXPECT_THAT(refused(run_ / "scenes"), testing::HasSubstr("is an input of this tandem study")) << "a link";
   if (geteuid() != 0) return;
   ASSERT_EQ(chown((run_ / "tandem_study.json").c_str(), 65534, 65534), 0);
   EXPECT_THAT(refused(), testing::HasSubstr("belongs to another user (uid 65534)"));
+}
+
+TEST_F(RunFolderTest, AFileThatHasTheNameOfAMarkIsLeftAlone) {
+  const fs::path mark = run_ / "tandem_study.json";
+  const auto refused = [this] {
+    try {
+      claim_folder(run_, {"study", {"results.csv"}, {}});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::usage);
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  fs::create_directories(run_);
+  for (const char* text : {"", "x", "[]", R"({"study": "1.0"})", R"({"format": "tandem conform folder"})"}) {
+    std::ofstream(mark) << text;
+    EXPECT_THAT(refused(), testing::HasSubstr("tandem study has not written it")) << text;
+    std::ifstream file(mark);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), text);
+  }
+  fs::remove(mark);
+  fs::create_symlink("nowhere", mark);
+  EXPECT_THAT(refused(), testing::HasSubstr("tandem study has not written it")) << "a link";
+  fs::remove(mark);
+  EXPECT_EQ(refused(), "none");
+  EXPECT_EQ(refused(), "none") << "the second time, its own";
 }
 
 TEST_F(RunFolderTest, FoldersOfNoRunAreLeftAlone) {

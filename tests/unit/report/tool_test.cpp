@@ -1,10 +1,14 @@
 #include "launch/report/tool.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <sstream>
+#include <thread>
+
+#include "common/interrupt.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -50,6 +54,32 @@ TEST_F(RunTool, EndlessToolIsStopped) {
   Tool tool = shell("exec sleep 1000");
   tool.patience = std::chrono::seconds(0);
   EXPECT_FALSE(run_tool(tool));
+}
+
+TEST_F(RunTool, AnInterruptKillsIt) {
+  const InterruptGuard guard;
+  kill(getpid(), SIGTERM);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(run_tool(shell("exec sleep 1000")));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+  EXPECT_FALSE(std::filesystem::exists(log_));
+}
+
+// It may still write its results.
+TEST_F(RunTool, AnInterruptLetsARunEndInOrder) {
+  const InterruptGuard guard;
+  std::jthread user([this](const std::stop_token& end) {
+    while (!end.stop_requested() && output() != "ready\n")
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    kill(getpid(), SIGTERM);
+  });
+  Tool tool = shell("trap 'sleep 0.1; echo done; exit 7' HUP; echo ready; while :; do sleep 0.02; done");
+  tool.ends_in_order = true;
+  const ToolEnd end = wait_for_tool(tool);
+  EXPECT_TRUE(end.interrupted);
+  EXPECT_FALSE(end.timed_out);
+  EXPECT_EQ(end.status, 7);
+  EXPECT_EQ(output(), "ready\ndone\n");
 }
 
 }  // namespace
