@@ -24,6 +24,10 @@ std::string why_without_volume(const Geometry& geometry) {
 void validate_contact(const Scene& scene, const std::string& origin) {
   if (!scene.contact) return;
   const BodyContact& contact = *scene.contact;
+  if (contact.impacts == Impacts::within_steps && !scene.mbd->integrator.error_tolerance)
+    fail(origin, "mbd.contact.impacts",
+         "steps of one length do not see how hard bodies hit each other within them",
+         "give mbd.integrator.error_tolerance, such as 3e-5, or leave out impacts");
   const Mbd& mbd = *scene.mbd;
   if (!mbd.server.empty())
     fail(origin, "mbd.contact",

@@ -44,6 +44,9 @@ const WrongScene wrong_contacts[] = {
      CONTACT(R"({"name": "hard", "young": 1e9, "restitution": 1, "friction": 0})", "", BALL),
      "mbd.contact.materials[0]: 'young' without 'poisson' (give both, or the stiffness of a point of contact "
      "[N/m])"},
+    {"ImpactsWithinFixedSteps", CONTACT(HARD, R"(, "impacts": "within_steps")", BALL),
+     "mbd.contact.impacts: steps of one length do not see how hard bodies hit each other within them (give "
+     "mbd.integrator.error_tolerance, such as 3e-5, or leave out impacts)"},
     {"PairTwice",
      CONTACT(HARD "," ROUND,
              R"(, "pairs": [{"a": "hard", "b": "round", "stiffness": 1}, {"a": "round", "b": "hard"}])",
