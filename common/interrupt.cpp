@@ -17,12 +17,20 @@ std::array<std::atomic<int>, 64> groups;  // 0: free
 static_assert(std::atomic<int>::is_always_lock_free);
 struct sigaction previous_int, previous_term, previous_hup;
 int guards = 0;
+std::atomic<int> starts = 0;  // StartGuards
+std::atomic<bool> ends = false;
 
 // The servers of tandem detect the end of this process, and end as well.
-[[noreturn]] void end_at_once() {
+[[noreturn]] void end_now() {
   for (const std::atomic<int>& group : groups)
     if (const int number = group; number > 0) kill(-number, SIGKILL);
   _exit(exit_status(ErrorCode::interrupted));
+}
+
+// Whichever comes last, the signal or the end of the start, sees the other.
+void end_at_once() {
+  ends = true;
+  if (starts == 0) end_now();
 }
 
 void on_first_signal(int) {
@@ -80,6 +88,14 @@ bool interrupted() {
 void forget_interrupt() {
   stop_requested = 0;
   hung_up = 0;
+}
+
+StartGuard::StartGuard() {
+  ++starts;
+}
+
+StartGuard::~StartGuard() {
+  if (--starts == 0 && ends) end_now();
 }
 
 void end_with_us(int group) {

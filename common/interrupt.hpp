@@ -24,6 +24,16 @@ bool interrupted();
 // What was interrupted has ended in order: the next signal counts as the first.
 void forget_interrupt();
 
+// While a program is started: a signal that ends this one at once waits for end_with_us(), so that it leaves
+// no program behind.
+class StartGuard {
+ public:
+  StartGuard();
+  ~StartGuard();
+  StartGuard(const StartGuard&) = delete;
+  StartGuard& operator=(const StartGuard&) = delete;
+};
+
 // The process group of a program that may not notice the end of this one: it is killed where a signal ends
 // this program at once. Of more than 64 at a time, the last ones are not.
 void end_with_us(int group);

@@ -96,6 +96,7 @@ Process::Process(const Command& command) {
 
   std::string python;
   const std::vector<char*> environment = environment_of(command, python);
+  const StartGuard start;
   const int error = posix_spawn(&pid_, path.c_str(), &actions, &attributes, argv.data(), environment.data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);

@@ -20,6 +20,7 @@ home=$work/moved
 
 echo "-- every library resolves inside the folder, except glibc"
 for file in "$home"/bin/* "$home"/lib/*.so* "$home"/lib/tandem/*; do
+  [[ $file != */tandem_step ]] || continue  # OpenCASCADE is the machine's own
   while read -r line; do
     case $line in
       *"not found"*) fail "${file#"$home"/}: $line" ;;
