@@ -26,7 +26,7 @@ class UrdfTarget : public Target {
       options.stops = launch::StopStiffness{1e4, 1e6};
     } else if (way == with_walls) {
       options.into = folder_ / "particles.json";
-      options.material = "glass";
+      options.materials = {"glass"};
     }
     put(options.model, input);
     const launch::Imported imported = launch::import_urdf(options);
