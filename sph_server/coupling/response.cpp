@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
-#include "common/log.hpp"
 #include "common/scene/freedoms.hpp"
 
 namespace tandem::sph {
@@ -23,17 +23,28 @@ Mat3d product(const Mat3d& a, const Mat3d& b) {
   return c;
 }
 
-// The loads on `body` of each step, where it starts to move faster by `faster` along `direction`.
+using Impulses = std::vector<Vector6>;  // of a body, after each step
+
+// The motion of the liquid where a body starts to move faster.
 class Push {
  public:
   Push(LiquidEngine& engine, const LiquidState& start, const std::vector<particles::BodyPose>& poses,
        const std::vector<BodyId>& body_of, double dt, int steps)
       : engine_(engine), start_(start), poses_(poses), body_of_(body_of), dt_(dt), steps_(steps) {}
 
-  std::vector<Vector6> impulses(BodyId body, const Direction& direction, double faster) const {
+  // Of all bodies by their number, where none is faster: the bodies share this motion.
+  std::map<std::uint32_t, Impulses> of_all() const { return impulses(ground, {}, 0); }
+  // Of `body`, where it is faster by `faster` along `direction`.
+  Impulses of(BodyId body, const Direction& direction, double faster) const {
+    return impulses(body, direction, faster).at(body.value);
+  }
+
+ private:
+  std::map<std::uint32_t, Impulses> impulses(BodyId body, const Direction& direction, double faster) const {
     engine_.set_state(start_, poses_);
-    std::vector<Vector6> sums;
-    Vector6 sum = Vector6::Zero();
+    std::map<std::uint32_t, Impulses> sums;
+    for (const BodyId b : body_of_)
+      if (b != ground) sums[b.value].assign(static_cast<std::size_t>(steps_), Vector6::Zero());
     std::vector<particles::BodyPose> now = poses_;
     for (int k = 1; k <= steps_; ++k) {
       for (std::size_t b = 0; b < now.size(); ++b) {
@@ -45,18 +56,19 @@ class Push {
         now[b] = {from.p + (k * dt_) * v, product(exp((k * dt_) * w).matrix(), from.R), v, w};
       }
       engine_.step(dt_, now);
+      const auto step = static_cast<std::size_t>(k - 1);
+      for (auto& [b, sum] : sums)
+        if (k > 1) sum[step] = sum[step - 1];
       for (std::size_t b = 0; b < now.size(); ++b) {
-        if (body_of_[b] != body) continue;
+        if (body_of_[b] == ground) continue;
         const Wrench& load = engine_.step_loads()[b];
-        sum += dt_ *
-               Vector6{load.force.x, load.force.y, load.force.z, load.torque.x, load.torque.y, load.torque.z};
+        sums[body_of_[b].value][step] += dt_ * Vector6{load.force.x,  load.force.y,  load.force.z,
+                                                       load.torque.x, load.torque.y, load.torque.z};
       }
-      sums.push_back(sum);
     }
     return sums;
   }
 
- private:
   LiquidEngine& engine_;
   const LiquidState& start_;
   const std::vector<particles::BodyPose>& poses_;
@@ -78,15 +90,14 @@ double gyration_of(const scene::Body& body) {
 }
 
 // The impulse that resists after each step, by rows.
-std::vector<std::array<double, 36>> step_response(const Push& probe, BodyId body,
+std::vector<std::array<double, 36>> step_response(const Push& push, BodyId body, const Impulses& base,
                                                   const std::vector<Direction>& directions, double speed,
                                                   double gyration) {
-  const std::vector<Vector6> base = probe.impulses(body, {}, 0);
   std::vector<std::array<double, 36>> response(base.size());
   for (const Direction& direction : directions) {
     const Eigen::Map<const Vector6> f(direction.data());
     const double faster = speed / std::hypot(f.head<3>().norm(), gyration * f.tail<3>().norm());
-    const std::vector<Vector6> moved = probe.impulses(body, direction, faster);
+    const Impulses moved = push.of(body, direction, faster);
     for (std::size_t k = 0; k < base.size(); ++k) {
       Eigen::Map<Matrix6> sum(response[k].data());
       const Vector6 resistance = (base[k] - moved[k]) / faster;
@@ -114,14 +125,17 @@ std::vector<protocol::BodyResponse> measure_responses(LiquidEngine& engine, cons
   for (const BodyId body : body_of)
     if (body != ground && std::ranges::find(bodies, body) == bodies.end()) bodies.push_back(body);
   std::ranges::sort(bodies, {}, &BodyId::value);
-  const Push probe(engine, start, poses, body_of, dt, steps);
+  if (bodies.empty()) return responses;
+  const Push push(engine, start, poses, body_of, dt, steps);
+  const std::map<std::uint32_t, Impulses> base = push.of_all();
   const double speed = share_of_sound * sound_speed;
   for (const BodyId body : bodies) {
     const std::vector<Direction> directions = directions_of(freedoms[body.value]);
     if (directions.empty()) continue;
     const double gyration = gyration_of(scene.mbd->bodies[body.value]);
     double time = 0;
-    for (const std::array<double, 36>& impulse : step_response(probe, body, directions, speed, gyration))
+    for (const std::array<double, 36>& impulse :
+         step_response(push, body, base.at(body.value), directions, speed, gyration))
       responses.push_back({.body = body.value, .time = time += dt, .impulse = impulse});
   }
   engine.set_state(start, poses);
