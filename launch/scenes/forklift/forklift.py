@@ -10,6 +10,9 @@ import math
 import pathlib
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
+from machine_files import text
+
 G = 9.81
 FRONT_RADIUS, REAR_RADIUS, WHEELBASE, TRACK = 0.30, 0.25, 1.5, 0.98
 TYRE_STIFFNESS = 1.2e6      # of a solid tyre, radial [N/m]
@@ -318,18 +321,6 @@ def scene(spheres, load="sand", end=END):
           "of some 15 kJ of work", "last", True)
     result["checks"] = checks
     return result
-
-
-def text(value, indent=0, width=170):
-    """JSON with one line for what fits into it."""
-    line = json.dumps(value)
-    if len(line) + indent <= width or not isinstance(value, (dict, list)) or not value:
-        return line
-    pad = "\n" + " " * (indent + 1)
-    if isinstance(value, dict):
-        inner = [f"{json.dumps(k)}: {text(v, indent + 1, width)}" for k, v in value.items()]
-        return "{" + pad + ("," + pad).join(inner) + pad[:-1] + "}"
-    return "[" + pad + ("," + pad).join(text(v, indent + 1, width) for v in value) + pad[:-1] + "]"
 
 
 FILES = ("forklift", 200000, END_OF_FINE_GRAINS), ("forklift_preview", 5000, END)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -91,6 +92,17 @@ struct ContactRun {
   Vec3d spin(std::size_t body = 0) { return solver.observe().bodies[body].twist.w_WB; }
   nlohmann::json facts() { return nlohmann::json::parse(solver.report().facts); }
 };
+
+// Largest error of the heights of bodies of 1 kg on each other, each pressed into the one below by the weight
+// of those above it [m]. `first`: centre of the lowest one, `distance` to the next, without weight [m].
+inline double error_of_heights(ContactRun& run, int count, double first, double distance, double stiffness) {
+  double height = first, worst = 0;
+  for (int i = 0; i < count; ++i, height += distance) {
+    height -= (count - i) * g / stiffness;
+    worst = std::max(worst, std::abs(run.position(static_cast<std::size_t>(i)).z - height));
+  }
+  return worst;
+}
 
 // Contacts never give energy.
 inline void expect_energy(const ContactRun& run, double tolerance) {

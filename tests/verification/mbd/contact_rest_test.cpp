@@ -23,13 +23,7 @@ TEST(Contact, StackOfTenBalls) {
   s.material() = {"stuff", 1e5, 0, 0, 0.1, 0.5};
   ContactRun run(s.scene, 1e-2);
   run.advance(150);
-  double height = 0.1, worst = 0;
-  for (std::size_t i = 0; i < 10; ++i) {
-    height -= static_cast<double>(10 - i) * g / 1e5;
-    worst = std::max(worst, std::abs(run.position(i).z - height));
-    height += 0.2;
-  }
-  expect_near("largest error of the ten heights [m]", worst, 0, 1e-8);
+  expect_near("largest error of the ten heights [m]", error_of_heights(run, 10, 0.1, 0.2, 1e5), 0, 1e-8);
   const Vec3d top = run.position(9);
   run.advance(500);
   expect_near("displacement of the top in 5 s [m]", norm(run.position(9) - top), 0, 1e-8);
@@ -44,13 +38,7 @@ TEST(Contact, StackOfTenBoxes) {
   s.material() = {"stuff", 1e5, 0, 0, 0.1, 0.5};
   ContactRun run(s.scene, 1e-2);
   run.advance(100);
-  double height = 0.05, worst = 0;
-  for (std::size_t i = 0; i < 10; ++i) {
-    height -= static_cast<double>(10 - i) * g / 4e5;
-    worst = std::max(worst, std::abs(run.position(i).z - height));
-    height += 0.1;
-  }
-  expect_near("largest error of the ten heights [m]", worst, 0, 1e-8);
+  expect_near("largest error of the ten heights [m]", error_of_heights(run, 10, 0.05, 0.1, 4e5), 0, 1e-8);
   const Vec3d top = run.position(9);
   run.advance(200);
   expect_near("displacement of the top in 2 s [m]", norm(run.position(9) - top), 0, 1e-9);

@@ -76,13 +76,7 @@ TEST(ContactWithinSteps, BoxesThatFallOnEachOtherRestOnEachOther) {
     s.add_box("box" + std::to_string(i), 1, {0.2, 0.3, 0.1}, {0, 0, 0.05 + 0.12 * i});
   ContactRun run(s.scene, 1e-2);
   run.advance(200);
-  double height = 0.05, worst = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    height -= static_cast<double>(4 - i) * g / 4e5;
-    worst = std::max(worst, std::abs(run.position(i).z - height));
-    height += 0.1;
-  }
-  expect_near("largest error of the four heights [m]", worst, 0, 1e-7);
+  expect_near("largest error of the four heights [m]", error_of_heights(run, 4, 0.05, 0.1, 4e5), 0, 1e-7);
   expect_energy(run, 0.01);
 }
 
