@@ -56,11 +56,11 @@ std::vector<std::string> failed(const ThreadSubject::Participant& participant,
 
 TEST(Judge, NamesAParticipantThatLingers) {
   conform::Limits limits;
-  limits.leave = 100ms;
+  limits.leave = 50ms;
   EXPECT_THAT(failed(
                   [](std::unique_ptr<Channel> channel) {
                     const int status = serve_ours(*channel);
-                    std::this_thread::sleep_for(400ms);
+                    std::this_thread::sleep_for(200ms);
                     return status;
                   },
                   limits),
