@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "common/log.hpp"
 #include "common/scene/freedoms.hpp"
 
 namespace tandem::sph {
@@ -125,7 +126,11 @@ std::vector<protocol::BodyResponse> measure_responses(LiquidEngine& engine, cons
   for (const BodyId body : body_of)
     if (body != ground && std::ranges::find(bodies, body) == bodies.end()) bodies.push_back(body);
   std::ranges::sort(bodies, {}, &BodyId::value);
-  if (bodies.empty()) return responses;
+  std::size_t pushes = 0;
+  for (const BodyId body : bodies) pushes += directions_of(freedoms[body.value]).size();
+  if (pushes == 0) return responses;
+  log::info("measuring how the liquid resists {} bodies: {} steps", bodies.size(),
+            (pushes + 1) * static_cast<std::size_t>(steps));
   const Push push(engine, start, poses, body_of, dt, steps);
   const std::map<std::uint32_t, Impulses> base = push.of_all();
   const double speed = share_of_sound * sound_speed;
