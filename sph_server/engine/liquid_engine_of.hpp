@@ -17,6 +17,7 @@
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/engine/liquid_memory.hpp"
 #include "sph_server/engine/totals.hpp"
+#include "sph_server/engine/way_bound.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/step/edge_sums.hpp"
 #include "sph_server/step/see_facets.hpp"
@@ -122,13 +123,8 @@ class LiquidEngineOf final : public LiquidEngine {
     previous_body_sums_ = body_sums_;
     last_dt_ = dt;
     set_poses(poses);
-    const Vec3d drift = drift_since(built_poses_);
-    const Farthest farthest =
-        exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data(), drift});
     lost_ = {};
-    const double skin = list_skin * setup_.liquid.spacing;
-    if (!(2 * std::sqrt(farthest.squared) + walls_.moved_from(displaced(built_poses_, drift)) < skin))
-      rebuild();
+    move();
     sum_rates();
     if (!lost_.index.empty()) forget_step_before();
   }
@@ -146,6 +142,7 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
+    way_.without_step_before(figures_);
     for (int k = 0; k < how.steps; ++k) {
       step(step_limits(l, std::max(l.sound_speed, figures_.largest_speed), figures_.largest_acceleration)
                .smallest,
@@ -240,6 +237,19 @@ class LiquidEngineOf final : public LiquidEngine {
   }
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(count_); }
+
+  // Moves all particles, and builds the lists anew where they may have become wrong. How far particles have
+  // moved is measured only where a bound on it does not do: a GPU would have to be waited for.
+  void move() {
+    const Vec3d drift = drift_since(built_poses_);
+    const double skin = list_skin * setup_.liquid.spacing,
+                 of_walls = walls_.moved_from(displaced(built_poses_, drift));
+    const auto lists_hold = [&] { return 2 * way_.farthest() + of_walls < skin; };
+    way_.add_step(advance_, figures_, rates_.frame, drift);
+    if (lists_hold()) return exec_.for_each(count(), advance_);
+    way_.measured(exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data(), drift}));
+    if (!lists_hold()) rebuild();
+  }
 
   static particles::FinePart<Real> fine_of([[maybe_unused]] const Host& host,
                                            [[maybe_unused]] std::size_t i) {
@@ -385,6 +395,7 @@ class LiquidEngineOf final : public LiquidEngine {
     use_arrays();
     previous_body_sums_ = body_sums_;
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
+    way_.without_step_before(figures_);
     last_dt_ = 0;
   }
 
@@ -462,6 +473,7 @@ class LiquidEngineOf final : public LiquidEngine {
     build_lists();
     built_poses_ = walls_.poses();
     built_ = true;
+    way_.begin();
     ++figures_.rebuilds;
   }
 
@@ -545,13 +557,16 @@ class LiquidEngineOf final : public LiquidEngine {
                 "walls", "remove triangles there that are much smaller than the spacing of the liquid");
   }
 
-  void sum_rates() {
-    exec_.sum_over_lanes(count(), pairs_);
+  void see_facets() {
     exec_.for_each(facets_.total, mark_);
     exec_.for_each(beside_walls_, number_);
     exec_.for_each(facets_.total, place_);
     if (walls_.any_closed()) exec_.for_each(beside_walls_, backs_);
     exec_.for_each(facets_.total, see_);
+  }
+
+  void sum_rates() {
+    exec_.side_by_side([this] { see_facets(); }, [this] { exec_.sum_over_lanes(count(), pairs_); });
     rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
     const bool many_facets = facets_.total > 4 * beside_walls_;
@@ -608,6 +623,7 @@ class LiquidEngineOf final : public LiquidEngine {
   std::vector<particles::BodyPose> built_poses_;
   Buffer<particles::BodyPose> built_pose_;
   bool built_ = false;      // lists are those of built_at_
+  WayBound way_;            // of particles since then
   bool keeps_all_ = false;  // a particle outside the domain is an error
   LostParticles lost_;
   Buffer<std::uint32_t> before_;  // numbers of particles, see ListBesideWalls and KeepEntry

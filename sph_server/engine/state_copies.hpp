@@ -57,6 +57,7 @@ void LiquidEngineOf<Exec, Real, shifting>::use_saved_lists() {
   build_lists();
   place_walls(poses_);
   built_ = true;
+  way_.forget();
 }
 
 // Arrays without an element, as those of bodies without walls, are in no file.

@@ -59,6 +59,13 @@ class CpuExec : public particles::HostExec {
     for (const auto& part : found) to = std::copy(part.begin(), part.end(), to);
   }
 
+  // Two works of which neither needs what the other one does.
+  template <class A, class B>
+  void side_by_side(A a, B b) {
+    a();
+    b();
+  }
+
   // sum.of_lane(i, lane) yields the sums of a lane; sum.take(i, s) gets those of all lanes.
   template <class Sum>
   void sum_over_lanes(std::uint32_t n, Sum sum) {

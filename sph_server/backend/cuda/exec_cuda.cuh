@@ -9,6 +9,7 @@
 #include <limits>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "particles/backend/cuda/block_sum.cuh"
@@ -245,9 +246,50 @@ __global__ void __launch_bounds__(join_threads) join_kernel(unsigned blocks, Tal
   if (threadIdx.x == 0) of_block[0] = own;
 }
 
+// A second stream of work. It goes first where both wait for room on the device.
+class Fork {
+ public:
+  Fork() {
+    int least = 0, greatest = 0;
+    particles::check_cuda(cudaDeviceGetStreamPriorityRange(&least, &greatest), "asking for priorities");
+    particles::check_cuda(cudaStreamCreateWithPriority(&stream_, cudaStreamNonBlocking, greatest),
+                          "opening a stream");
+    particles::check_cuda(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "making an event");
+  }
+  ~Fork() {
+    cudaEventDestroy(event_);
+    cudaStreamDestroy(stream_);
+  }
+  Fork(const Fork&) = delete;
+  Fork& operator=(const Fork&) = delete;
+
+  void swap(cudaStream_t& other) { std::swap(stream_, other); }
+  void leave(cudaStream_t from) { order(from, stream_); }
+  void join(cudaStream_t to) { order(stream_, to); }
+
+ private:
+  void order(cudaStream_t first, cudaStream_t second) {
+    particles::check_cuda(cudaEventRecord(event_, first), "marking work");
+    particles::check_cuda(cudaStreamWaitEvent(second, event_), "ordering work");
+  }
+  cudaStream_t stream_ = nullptr;
+  cudaEvent_t event_ = nullptr;
+};
+
 class CudaExec : public particles::DeviceExec {
  public:
   explicit CudaExec(unsigned) {}
+
+  // Neither work may wait, or change the size of a buffer.
+  template <class A, class B>
+  void side_by_side(A a, B b) {
+    fork_.leave(stream_);
+    fork_.swap(stream_);
+    a();
+    fork_.swap(stream_);
+    b();
+    fork_.join(stream_);
+  }
 
   template <class Entry, class Find>
   void build_list(std::uint32_t n, Find find, List<CudaExec, Entry>& list) {
@@ -356,6 +398,7 @@ class CudaExec : public particles::DeviceExec {
     return sum;
   }
 
+  Fork fork_;
   Buffer<std::byte> tallies_;  // of the blocks of a kernel
   Buffer<std::int64_t> of_body_;
   Buffer<unsigned long long> list_total_;
