@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "common/error.hpp"
 #include "sph_server/engine/cut_lattice.hpp"
+#include "sph_server/engine/put_back.hpp"
 #include "sph_server/engine/region_columns.hpp"
 #include "sph_server/equations/hydrostatic.hpp"
 #include "sph_server/equations/time_step.hpp"
@@ -21,6 +21,7 @@ namespace {
 
 // docs/experiments/2026-11-sph-fill.md
 constexpr Packing spreading{3.0, 0.88, 60}, parting{0.1, 0.8, 20};
+constexpr int most_rounds = 4;  // of both
 
 // A rectangle at the surface that covers the region.
 TriangleMesh lid_of(const FilledPart& part, const LatticeAxes& axes, double margin) {
@@ -49,17 +50,18 @@ LiquidState at_rest_at(const std::vector<Vec3d>& position, const Liquid& liquid,
   return state;
 }
 
-// Places that are not in the region, or above its surface by more than half a spacing.
-std::vector<Vec3d> outside(const std::vector<Vec3d>& places, const FilledPart& part, const LatticeAxes& axes,
-                           double spacing) {
+// Numbers of the places that are not in the region, or above its surface by more than half a spacing.
+std::vector<std::size_t> outside(const std::vector<Vec3d>& places, const FilledPart& part,
+                                 const LatticeAxes& axes, double spacing) {
   const RegionColumns columns(part.region, axes.axis);
   ColumnCrossings crossings;
-  std::vector<Vec3d> left;
-  std::ranges::copy_if(places, std::back_inserter(left), [&](Vec3d x) {
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Vec3d x = places[i];
     const double height = dot(x, part.up);
     columns.find(dot(x, axes.axis[0]), dot(x, axes.axis[1]), crossings);
-    return height > part.surface + 0.5 * spacing || !crossings.inside(height);
-  });
+    if (height > part.surface + 0.5 * spacing || !crossings.inside(height)) left.push_back(i);
+  }
   return left;
 }
 
@@ -94,9 +96,20 @@ void refuse_shallow(const std::vector<Vec3d>& places, const FilledPart& part, co
   }
 }
 
+[[noreturn]] void refuse_left(const std::vector<Vec3d>& places, const std::vector<std::size_t>& left) {
+  const Vec3d x = places[left[0]];
+  throw Error(ErrorCode::scene,
+              fmt::format("{} left the region while {} packed, at ({:.4g}, {:.4g}, {:.4g}) m",
+                          left.size() == 1 ? "a particle" : std::to_string(left.size()) + " particles",
+                          left.size() == 1 ? "it was" : "they were", x.x, x.y, x.z),
+              "fill",
+              "close the walls around the liquid, or take a spacing of less than half of the narrowest gap");
+}
+
+// walls: those of the setup.
 std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::BodyPose> poses,
-                           const FilledPart& part, const LatticeAxes& axes, const LiquidState& start,
-                           const AfterStep& after_step) {
+                           const Walls& walls, const FilledPart& part, const LatticeAxes& axes,
+                           const std::vector<Vec3d>& sites, const AfterStep& after_step) {
   LiquidSetup packing = setup;
   packing.liquid.shifting = 0;
   // Viscosity would only shorten the steps.
@@ -109,28 +122,28 @@ std::vector<Vec3d> relaxed(const LiquidSetup& setup, std::vector<particles::Body
   for (particles::BodyPose& pose : poses) pose.v = pose.w = {};
   poses.push_back({{}, Mat3d::identity(), {}, {}});
   const auto engine = make_liquid_engine(packing, true);
-  engine->set_state(start, poses);
-  constexpr int all = spreading.steps + parting.steps;
-  int done = 0;
-  for (const Packing& phase : {spreading, parting})
-    engine->pack(phase, [&](int) {
-      ++done;
-      if (after_step) after_step(done, all);
-    });
-  // A particle that has passed a sheet is in the liquid on its other side.
-  const std::vector<Vec3d> places = engine->state().position;
-  const std::vector<Vec3d> left = engine->figures().passed_walls > 0
-                                      ? outside(places, part, axes, setup.liquid.spacing)
-                                      : std::vector<Vec3d>{};
-  if (!left.empty())
-    throw Error(
-        ErrorCode::scene,
-        fmt::format("{} left the region while {} packed, at ({:.4g}, {:.4g}, {:.4g}) m",
-                    left.size() == 1 ? "a particle" : std::to_string(left.size()) + " particles",
-                    left.size() == 1 ? "it was" : "they were", left[0].x, left[0].y, left[0].z),
-        "fill",
-        "close the walls around the liquid, or take a spacing of less than half of the narrowest gap");
-  return places;
+  constexpr int steps = spreading.steps + parting.steps;
+  std::vector<Vec3d> places = sites;
+  for (int round = 1;; ++round) {
+    engine->set_state(at_rest_at(places, setup.liquid, part.up, part.surface), poses);
+    int done = (round - 1) * steps;
+    for (const Packing& phase : {spreading, parting})
+      engine->pack(phase, [&](int) {
+        ++done;
+        if (after_step) after_step(done, round * steps);
+      });
+    // A particle that has passed a sheet is in the liquid on its other side.
+    places = engine->state().position;
+    if (engine->figures().passed_walls == 0) return places;
+    const std::vector<std::size_t> left = outside(places, part, axes, setup.liquid.spacing);
+    if (left.empty()) return places;
+    // Where two walls meet, a few of very many particles are squeezed out; through a hole it would be more.
+    std::vector<Vec3d> inside = places;
+    if (round == most_rounds || left.size() > 1 + places.size() / 100000 ||
+        !put_back(inside, left, sites, walls, setup.liquid.spacing))
+      refuse_left(places, left);
+    places = std::move(inside);
+  }
 }
 
 }  // namespace
@@ -158,8 +171,7 @@ FilledPlaces fill_places(const LiquidSetup& setup, const std::vector<particles::
   filled.position =
       cut_lattice(part.region, walls, l, {axes, part.surface, true}, part.particles, setup.threads);
   refuse_shallow(filled.position, part, axes, l.spacing);
-  filled.position =
-      relaxed(setup, poses, part, axes, at_rest_at(filled.position, l, part.up, part.surface), after_step);
+  filled.position = relaxed(setup, poses, walls, part, axes, filled.position, after_step);
   filled.surface = part.surface;
   filled.relaxed = true;
   return filled;

@@ -31,9 +31,10 @@ struct FilledPlaces {
 // a lattice is cut at the walls (cut_lattice.hpp), and the particles are relaxed on the back end of
 // the setup under a lid at their surface: always as many steps, so that the time is known beforehand, first
 // under a high pressure that spreads them evenly, then under a low one, against which walls repel those that
-// came too near to them. The places are the same for every back end and number of threads.
-// Error{scene} as filled_part() and cut_lattice(), and where particles leave the region; they may pass
-// sheets.
+// came too near to them. Few that were squeezed out of the region are put back, and all are relaxed again.
+// The places are the same for every back end and number of threads.
+// Error{scene} as filled_part() and cut_lattice(), and where particles leave the region again and again; they
+// may pass sheets.
 FilledPlaces fill_places(const LiquidSetup& setup, const std::vector<particles::BodyPose>& poses,
                          const Filling& filling, const AfterStep& after_step = {});
 

@@ -24,8 +24,8 @@ class WayBound {
   void measured(const Farthest& f) { farthest_ = std::sqrt(f.squared); }
   void without_step_before(const StepFigures& now) { acceleration_before_ = now.largest_acceleration; }
 
-  // now: of the begin of the step, with speeds relative to `frame` [m/s]. drift: of the vessel at the end of the
-  // step, since the lists were built [m].
+  // now: of the begin of the step, with speeds relative to `frame` [m/s]. drift: of the vessel at the end of
+  // the step, since the lists were built [m].
   template <class Real>
   void add_step(const Advance<Real>& step, const StepFigures& now, Vec3d frame, Vec3d drift) {
     constexpr double rounding = 1 + 1e-6;
@@ -44,8 +44,9 @@ class WayBound {
 
  private:
   double farthest_ = std::numeric_limits<double>::infinity();
-  double acceleration_before_ = std::numeric_limits<double>::infinity();  // largest, of the step before [m/s2]
-  Vec3d drift_;  // of the vessel at the end of the last step [m]
+  double acceleration_before_ =
+      std::numeric_limits<double>::infinity();  // largest, of the step before [m/s2]
+  Vec3d drift_;                                 // of the vessel at the end of the last step [m]
 };
 
 }  // namespace tandem::sph
