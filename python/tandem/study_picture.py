@@ -5,6 +5,7 @@ import textwrap
 from typing import Dict, List, Optional, Tuple
 
 from tandem.axis_ticks import SUPERSCRIPTS, log_ticks, written
+from tandem.end_labels import dark
 from tandem.label_places import Box, free_place, place_along, spread
 from tandem.plots import GREY, HUES, INK, STYLE
 from tandem.study_data import Measure, Row, Study, is_round_off, label_of, read, recommended
@@ -203,7 +204,7 @@ class PanelPicture:
         ends = [self.axes.transData.transform(self.at(line.points[-1])) for line in self.shown.lines]
         labels = [(line.label, line.rank) for line in self.shown.lines] + [(f"{words}: no run ends", rank) for words, rank in self.shown.silent]
         wanted = [end[1] for end in ends] + [frame.y0 + 0.965 * frame.height] * len(self.shown.silent)
-        texts = [self.axes.text(0, 0, words, fontsize=8.5, color=_dark(colour(rank)), va="center", ha="left") for words, rank in labels]
+        texts = [self.axes.text(0, 0, words, fontsize=8.5, color=dark(colour(rank)), va="center", ha="left") for words, rank in labels]
         heights = [text.get_window_extent(renderer).height + 3 for text in texts]
         centres = spread(wanted, heights, frame.y0 - 8, frame.y1 + 4)
         inverse = self.axes.transData.inverted().transform
@@ -217,12 +218,6 @@ class PanelPicture:
             if i < len(ends):
                 self.axes.plot(*zip(*(inverse(p) for p in ((ends[i][0] + 5, ends[i][1]), (frame.x1 + 3, centres[i]), (frame.x1 + 12, centres[i])))),
                                color=colour(labels[i][1]), linewidth=0.8, alpha=0.75, clip_on=False, zorder=3)
-
-
-def _dark(rgb: Tuple[float, ...]) -> Tuple[float, ...]:
-    """Letters need more contrast with white than lines do."""
-    light = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2]
-    return tuple(part * min(1.0, 0.48 / light) for part in rgb)
 
 
 def figure_of(study: Study):
