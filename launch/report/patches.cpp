@@ -12,8 +12,7 @@ namespace {
 
 constexpr std::size_t most_points = 400;  // that are looked for
 constexpr double most_tests = 2e7;        // of a point and a triangle, for one surface
-// Shares of the particles, and the clearness where a patch hides more.
-constexpr double solid_below = 0.1, clear_from = 0.25, clearest = 0.92;
+constexpr double clearest = 0.92;
 
 // The last triangle with an edge.
 struct Neighbour {
@@ -97,7 +96,8 @@ void count_hidden(std::vector<Patch>& patches, const TriangleMesh& mesh, const s
   }
 }
 
-double clearness_of(double hidden) {
+double clearness_of(double hidden, bool fixed) {
+  const double solid_below = fixed ? 0.03 : 0.1, clear_from = fixed ? 0.1 : 0.25;
   const double share = std::clamp((hidden - solid_below) / (clear_from - solid_below), 0.0, 1.0);
   return clearest * share * share * (3 - 2 * share);
 }

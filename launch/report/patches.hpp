@@ -26,8 +26,9 @@ std::vector<Vec3d> points_to_see(const Frame& frame);
 void count_hidden(std::vector<Patch>& patches, const TriangleMesh& mesh, const std::vector<Vec3d>& points,
                   Vec3d eye);
 
-// How transparent a patch is that hides this share of the particles: solid below a tenth, from a quarter on
-// most transparent; in between it fades, so that no patch of a film changes at once.
-double clearness_of(double hidden);
+// How transparent a patch is that hides this share of the particles: of a body solid below a tenth, and most
+// transparent from a quarter on; of a fixed wall, which is rarely what the picture is about, below 0.03 and
+// from a tenth on. In between it fades, so that no patch of a film changes at once.
+double clearness_of(double hidden, bool fixed);
 
 }  // namespace tandem::launch

@@ -150,13 +150,14 @@ void PovWriter::edges(const Surface& surface, Vec3d tint) {
 }
 
 void PovWriter::surface(const Surface& surface, const std::vector<Patch>& patches, Vec3d tint) {
+  const auto clearness = [&](const Patch& patch) { return clearness_of(patch.hidden, surface.fixed); };
   const bool is_container =
-      std::ranges::any_of(patches, [](const Patch& patch) { return clearness_of(patch.hidden) > 0; });
+      std::ranges::any_of(patches, [&](const Patch& patch) { return clearness(patch) > 0; });
   // Solid patches are one object: those of a mesh from CAD may be thousands.
   std::vector<std::array<std::uint32_t, 3>> solid;
   for (const Patch& patch : patches) {
-    if (clearness_of(patch.hidden) > 0)
-      faces(surface, patch.triangles, tint, clearness_of(patch.hidden), false);
+    if (clearness(patch) > 0)
+      faces(surface, patch.triangles, tint, clearness(patch), false);
     else
       solid.insert(solid.end(), patch.triangles.begin(), patch.triangles.end());
   }

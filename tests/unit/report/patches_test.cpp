@@ -26,7 +26,7 @@ std::vector<double> clearness(const TriangleMesh& mesh, const Frame& frame, Vec3
   std::vector<Patch> patches = patches_of(mesh);
   count_hidden(patches, mesh, points_to_see(frame), eye);
   std::vector<double> found;
-  for (const Patch& patch : patches) found.push_back(clearness_of(patch.hidden));
+  for (const Patch& patch : patches) found.push_back(clearness_of(patch.hidden, false));
   std::ranges::sort(found);
   return found;
 }
@@ -60,9 +60,11 @@ TEST(Patches, WithoutParticlesAllIsSolid) {
 
 // Of a film no patch changes at once.
 TEST(Patches, ClearnessFades) {
-  EXPECT_EQ(clearness_of(0.1), 0);
-  EXPECT_NEAR(clearness_of(0.175), 0.46, 1e-12);
-  EXPECT_NEAR(clearness_of(0.5), 0.92, 1e-12);
+  EXPECT_EQ(clearness_of(0.1, false), 0);
+  EXPECT_NEAR(clearness_of(0.175, false), 0.46, 1e-12);
+  EXPECT_NEAR(clearness_of(0.5, false), 0.92, 1e-12);
+  EXPECT_EQ(clearness_of(0.03, true), 0);
+  EXPECT_NEAR(clearness_of(0.1, true), 0.92, 1e-12) << "a fixed wall gives way earlier";
 }
 
 }  // namespace
