@@ -21,12 +21,13 @@ QUALITY = 70  # the installed documentation has these pictures
 
 
 def shortened(names):
-    """Columns without the words that all of them begin or end with."""
-    words = [name.split(".") for name in names]
+    """The words that all columns begin or end with, as a title, and the columns without them."""
+    words, title = [name.split(".") for name in names], ""
     for end in (0, -1):
         while all(len(parts) > 1 for parts in words) and len({parts[end] for parts in words}) == 1:
+            title += (" " if title else "") + words[0][end]
             words = [parts[1:] if end == 0 else parts[:-1] for parts in words]
-    return [".".join(parts) for parts in words]
+    return title, [".".join(parts) for parts in words]
 
 
 def drawn(columns, units, names):
@@ -37,10 +38,9 @@ def drawn(columns, units, names):
     axes.set_xlabel("time [s]")
     axes.set_ylabel(units)
     axes.margins(x=0.01)
-    if len(names) > 1:
-        label_ends(axes, [(short, columns[name], COLOURS[i % len(COLOURS)]) for i, (short, name) in enumerate(zip(shortened(names), names))], 1.4)
-    else:
-        axes.set_title(names[0], fontsize=9)
+    title, shorts = shortened(names) if len(names) > 1 else (names[0], [])
+    axes.set_title(title, fontsize=9)
+    label_ends(axes, [(short, columns[name], COLOURS[i % len(COLOURS)]) for i, (short, name) in enumerate(zip(shorts, names))], 1.4)
     data = io.BytesIO()
     figure.savefig(data, format="png")
     plt.close(figure)
