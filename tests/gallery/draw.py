@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draws a picture of docs/gallery.md: a film's frame beside two charts of its run.
 
-    tandem movie RUN && ffmpeg -ss SECONDS -i RUN/movie.mp4 -frames:v 1 FRAME.png
+    tandem movie RUN --size 960x720 && ffmpeg -ss SECONDS -i RUN/movie.mp4 -frames:v 1 FRAME.png
     draw.py RUN FRAME.png OUT.png COLUMN[,COLUMN...]:UNIT COLUMN[,COLUMN...]:UNIT
 """
 import io
