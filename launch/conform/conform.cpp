@@ -29,8 +29,11 @@ launch::ServerCommand command_of_participant(const ConformOptions& options) {
   return launch::find_server(options.command, ".", "the participant");
 }
 
-JudgedScene scene_of_user(const std::filesystem::path& path, protocol::Role role) {
-  launch::SceneFile file = launch::read_scene(path);
+JudgedScene scene_of_user(const std::filesystem::path& path, const std::map<std::string, double>& set,
+                          protocol::Role role) {
+  launch::Overrides overrides;
+  overrides.set = set;
+  launch::SceneFile file = launch::read_scene(path, overrides);
   const bool there = role == protocol::Role::mbd   ? file.scene.mbd.has_value()
                      : role == protocol::Role::dem ? file.scene.dem.has_value()
                                                    : file.scene.sph.has_value();
@@ -60,7 +63,7 @@ int conform(const ConformOptions& options) {
   expect_known(options.checks, options.role);
   const launch::ServerCommand command = command_of_participant(options);
   std::optional<JudgedScene> scene;
-  if (!options.scene.empty()) scene = scene_of_user(options.scene, options.role);
+  if (!options.scene.empty()) scene = scene_of_user(options.scene, options.set, options.role);
   // Without a folder what it writes is kept in memory, for the last words of one that ends.
   const protocol::Fd unnamed(memfd_create("participant.log", MFD_CLOEXEC));
   std::filesystem::path log =

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,10 @@ struct ConformOptions {
   std::string command;  // of the participant; the name of a server of tandem is that of this build
   protocol::Role role{};
   Transport transport = Transport::shm;
-  std::filesystem::path scene;      // of the user; empty: the built-in scenes
-  std::filesystem::path out;        // folder of the report; empty: none
-  std::vector<std::string> checks;  // names; empty: all
+  std::filesystem::path scene;        // of the user; empty: the built-in scenes
+  std::map<std::string, double> set;  // of the parameters of that scene, by name
+  std::filesystem::path out;          // folder of the report; empty: none
+  std::vector<std::string> checks;    // names; empty: all
   Limits limits;
 };
 

@@ -21,15 +21,27 @@ Extents::Extents(Vec3d up) : up_(up) {
   away_ = cross(up, across_);
 }
 
-void Extents::add(const Frame& frame) {
-  const auto add = [&](Vec3d p, double radius) {
-    x_.add(dot(p, across_));
-    y_.add(dot(p, away_));
-    z_.add(dot(p, up_));
-    lowest_ = std::min(lowest_, dot(p, up_) - radius);
+void Extents::add(Vec3d p, double radius) {
+  x_.add(dot(p, across_));
+  y_.add(dot(p, away_));
+  z_.add(dot(p, up_));
+  lowest_ = std::min(lowest_, dot(p, up_) - radius);
+}
+
+double Extents::size() const {
+  return std::hypot(x_.length(), y_.length(), z_.length());
+}
+
+double Extents::distance(Vec3d p) const {
+  const auto beyond = [](const Interval& interval, double value) {
+    return std::max({interval.low - value, value - interval.high, 0.0});
   };
+  return std::hypot(beyond(x_, dot(p, across_)), beyond(y_, dot(p, away_)), beyond(z_, dot(p, up_)));
+}
+
+void Extents::add(const Frame& frame) {
   for (const Surface& surface : frame.surfaces)
-    for (const Vec3d& vertex : surface.mesh.vertices) add(vertex, 0);
+    for (const Vec3d& vertex : surface.mesh.vertices) add(vertex);
   for (std::size_t i = 0; i < frame.radius.size(); ++i) add(frame.centre(i), frame.radius[i]);
 }
 

@@ -14,7 +14,11 @@ class Extents {
  public:
   explicit Extents(Vec3d up);
   void add(const Frame& frame);
+  void add(Vec3d point, double radius = 0);
   bool empty() const { return x_.low > x_.high; }
+  double size() const;  // of the diagonal [m]
+  // Distance of a point from the space; 0 inside [m].
+  double distance(Vec3d point) const;
   double lowest() const { return lowest_; }  // of surfaces and spheres, along `up` [m]
   // A view from the front, a little from the right and from above, onto the broad side of the space. `aspect`
   // = width / height of the picture.

@@ -1,5 +1,5 @@
-// The scene description for POV-Ray: spheres in the colours of a scale, bodies as tinted glass with edges, on
-// a pale floor that fades into the sky.
+// The scene description for POV-Ray: spheres in the colours of a scale, bodies solid in their colours with
+// edges, transparent where they hide many of the particles, above a pale ground that fades into the sky.
 #pragma once
 
 #include <iosfwd>
@@ -10,6 +10,7 @@
 #include "launch/report/colours.hpp"
 #include "launch/report/frame.hpp"
 #include "launch/report/overlay.hpp"
+#include "launch/report/regions.hpp"
 
 namespace tandem::launch {
 
@@ -23,7 +24,7 @@ struct PictureSize {
 struct View {
   scene::Camera camera;
   Vec3d up{0, 0, 1};
-  double floor = 0;  // height of the floor along `up` [m]
+  double floor = 0;  // height of the pale ground along `up` [m]
   PictureSize size;
   bool soft_shadows = true;  // they take half of the time
   std::string title;         // above the legend of the bodies
@@ -40,7 +41,8 @@ struct Label {
 
 struct PictureText {
   std::vector<Label> labels;
-  bool extents = false;  // the box around everything, with its lengths
+  std::vector<Region> regions = {};  // drawn as lines
+  bool extents = false;              // the box around everything, with its lengths
 };
 
 void write_pov(std::ostream& out, const Frame& frame, const scene::Scene& scene, const View& view,

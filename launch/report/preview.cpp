@@ -12,14 +12,30 @@
 namespace tandem::launch {
 namespace {
 
-constexpr std::size_t most_labels = 40;
+constexpr std::size_t most_labels = 40, most_with_joints = 30;
 constexpr Vec3d joint_colour{0.2, 0.22, 0.25};
+
+// Regions that are not far away from everything else: an outlet may be anywhere.
+void add_near(Extents& extents, const std::vector<Region>& regions) {
+  const Extents before = extents;
+  for (const Region& region : regions)
+    for (const auto& [a, b] : region.lines)
+      for (const Vec3d p : {a, b})
+        if (before.distance(p) < 0.5 * before.size()) extents.add(p);
+}
 
 }  // namespace
 
 std::vector<Label> labels_of(const scene::Scene& scene, const Frame& start) {
   std::vector<Label> labels;
-  if (!scene.mbd) return labels;
+  const auto add_regions = [&] {
+    for (const Region& region : regions_of(scene))
+      labels.push_back({.at = region.at, .words = region.words, .colour = region.colour, .is_point = false});
+  };
+  if (!scene.mbd) {
+    add_regions();
+    return labels;
+  }
   for (std::size_t i = 0; i < scene.mbd->bodies.size(); ++i) {
     const scene::Body& body = scene.mbd->bodies[i];
     // The middle of what is drawn: a centre of mass may be far from it.
@@ -32,6 +48,7 @@ std::vector<Label> labels_of(const scene::Scene& scene, const Frame& start) {
     }
     labels.push_back({.at = middle, .words = body.name, .colour = body_colour(i), .is_point = false});
   }
+  add_regions();
   for (const scene::Joint& joint : scene.mbd->joints)
     labels.push_back({.at = joint.position, .words = joint.name, .colour = joint_colour, .is_point = true});
   return labels;
@@ -49,6 +66,8 @@ void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, c
   view.up = upwards(scene);
   Extents extents(view.up);
   extents.add(start);
+  const std::vector<Region> regions = regions_of(scene);
+  add_near(extents, regions);
   view.camera = extents.camera(view.size.aspect());  // that of the scene may show a part only
   view.floor = extents.lowest() - 1e-3 * norm(view.camera.target - view.camera.eye);
   view.soft_shadows = false;
@@ -57,10 +76,13 @@ void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, c
   if (scene.dem)
     for (const scene::ParticleGroup& group : scene.dem->particles) view.scale.names.push_back(group.name);
   if (scene.sph) view.scale.names.push_back(scene.sph->liquids.front().name);
-  PictureText more{.labels = labels_of(scene, start), .extents = true};
+  PictureText more{.labels = labels_of(scene, start), .regions = regions, .extents = true};
+  if (more.labels.size() > most_with_joints)
+    std::erase_if(more.labels, [](const Label& label) { return label.is_point; });
   if (more.labels.size() > most_labels) {
-    log::warn("{} names would cover the picture: it has those of the first {} bodies and joints",
-              more.labels.size(), most_labels);
+    log::warn(
+        "{} names would cover the picture: it has the first {}, of bodies and then of sensors and walls",
+        more.labels.size(), most_labels);
     more.labels.resize(most_labels);
   }
   // POV-Ray writes in its working folder, under a name of its own: a picture that exists stays until the new

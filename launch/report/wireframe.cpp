@@ -1,18 +1,11 @@
 #include "launch/report/wireframe.hpp"
 
-#include <algorithm>
 #include <map>
-#include <tuple>
+
+#include "launch/report/edge_key.hpp"
 
 namespace tandem::launch {
 namespace {
-
-constexpr double cos_turn = 0.866;  // cos 30 deg
-
-using PointKey = std::tuple<double, double, double>;
-PointKey key_of(Vec3d p) {
-  return {p.x, p.y, p.z};
-}
 
 struct Edge {
   Vec3d a, b, normal;  // normal of the first triangle [-]
@@ -23,8 +16,7 @@ struct Edge {
 }  // namespace
 
 std::vector<std::pair<Vec3d, Vec3d>> feature_edges(const TriangleMesh& mesh) {
-  // Faces of one body may have separate vertices, so that an edge is identified by its position.
-  std::map<std::pair<PointKey, PointKey>, Edge> edges;
+  std::map<EdgeKey, Edge> edges;
   for (const auto& triangle : mesh.triangles) {
     const Vec3d corner[3] = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]],
                              mesh.vertices[triangle[2]]};
@@ -33,10 +25,10 @@ std::vector<std::pair<Vec3d, Vec3d>> feature_edges(const TriangleMesh& mesh) {
     const Vec3d normal = normalized(area);
     for (int i = 0; i < 3; ++i) {
       const Vec3d a = corner[i], b = corner[(i + 1) % 3];
-      Edge& edge = edges[std::minmax(key_of(a), key_of(b))];
+      Edge& edge = edges[edge_key(a, b)];
       if (edge.triangles++ == 0) {
         edge = {a, b, normal, 1, false};
-      } else if (dot(edge.normal, normal) < cos_turn) {
+      } else if (dot(edge.normal, normal) < cos_sharp) {
         edge.sharp = true;
       }
     }

@@ -40,11 +40,12 @@ std::string hash(const std::vector<std::string>& texts) {
 
 class Planner {
  public:
-  Planner(const Study& study, const std::vector<std::string>& servers)
+  Planner(const Study& study, const std::vector<std::string>& servers,
+          const std::map<std::string, double>& set)
       : study_(study),
         servers_(servers),
         folder_(study.scene.parent_path()),
-        base_(parse_base(study.scene)) {}
+        base_(parse_base(study.scene, set)) {}
 
   Plan plan() {
     Plan plan;
@@ -68,9 +69,9 @@ class Planner {
   }
 
  private:
-  static json parse_base(const fs::path& path) {
+  static json parse_base(const fs::path& path, const std::map<std::string, double>& set) {
     std::string text = content(path);
-    scene::put_in_parameters(text, {}, path.string());
+    scene::put_in_parameters(text, set, path.string());
     scene::validate(scene::parse(text, path.string()), path.string());
     json scene = json::parse(text);
     // Outputs do not affect the computation, and may not fit every window.
@@ -188,8 +189,9 @@ std::string PlannedRun::label() const {
   return label;
 }
 
-Plan make_plan(const Study& study, const std::vector<std::string>& servers) {
-  return Planner(study, servers).plan();
+Plan make_plan(const Study& study, const std::vector<std::string>& servers,
+               const std::map<std::string, double>& set) {
+  return Planner(study, servers, set).plan();
 }
 
 }  // namespace tandem::launch

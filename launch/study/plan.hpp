@@ -1,6 +1,8 @@
 // The runs of a study: every combination of the swept settings as a separate scene.
 #pragma once
 
+#include <map>
+
 #include "launch/study/study_file.hpp"
 
 namespace tandem::launch {
@@ -23,6 +25,8 @@ struct Plan {
 // Every scene has passed the checks of `tandem validate`, and every measured signal exists in it. Frames,
 // pictures and checks are removed from the scenes, as they are not measured.
 // `servers` are commands of the command line that replace servers; runs with other servers are other runs.
-Plan make_plan(const Study& study, const std::vector<std::string>& servers = {});
+// `set` gives values to parameters of the scene.
+Plan make_plan(const Study& study, const std::vector<std::string>& servers = {},
+               const std::map<std::string, double>& set = {});
 
 }  // namespace tandem::launch

@@ -15,8 +15,9 @@ struct Row {
   std::string status;          // "ok", "suspect", "diverged", "failed", "died", "running", "timed_out"
   std::string problem;         // what ended it, or the objection of the verdict; empty where the run is ok
   std::vector<double> errors;  // one for each measure; NaN: unknown
-  double cpu = 0;              // time of both solvers' own work [s]
+  double cpu = 0;              // time of both solvers' own work, the median of its timings [s]
   nlohmann::json summary;      // summary.json, empty where the run left none
+  double cpu_low = 0, cpu_high = 0;  // the shortest and the longest timing [s]
 };
 
 // Whether the row can be compared by measure `m`: its run completed, whatever its verdict.

@@ -20,8 +20,8 @@
 #include "launch/report/tool.hpp"
 #include "launch/run_folder/claimed_folder.hpp"
 #include "launch/run_folder/run_state.hpp"
-#include "launch/study/explicit_method.hpp"
 #include "launch/study/jobs.hpp"
+#include "launch/study/reading_text.hpp"
 #include "launch/study/table.hpp"
 #include "launch/verdict/status.hpp"
 
@@ -104,6 +104,13 @@ bool is_missing(const Row& row) {
          row.status == name(Status::failed);
 }
 
+// A run that is to be done, for the k-th time.
+struct Timing {
+  const PlannedRun* run;
+  std::filesystem::path folder;
+  int k;
+};
+
 class StudyFolder {
  public:
   StudyFolder(const Study& study, const StudyOptions& options)
@@ -125,27 +132,32 @@ class StudyFolder {
 
   // Runs the missing runs.
   void complete(const Plan& plan) const {
-    std::vector<const PlannedRun*> missing;
-    std::set<std::string> keys;
+    std::vector<Timing> missing;
+    std::set<fs::path> known;
     std::size_t all = 0;
-    const auto want = [&](const PlannedRun& run) {
-      if (!keys.insert(run.key).second) return;  // the reference may be one of the runs
+    const auto want = [&](const PlannedRun& run, int k) {
+      const fs::path folder = timing_folder(results(run), k);
+      if (!known.insert(folder).second) return;  // the reference may be one of the runs
+      // What did not come to its end once has no time to be measured again.
+      if (k > 1 && is_complete(results(run)) && !came_to_its_end(read_run(results(run)).summary)) return;
       ++all;
-      if (!is_complete(results(run))) missing.push_back(&run);
+      if (!is_complete(folder)) missing.push_back({&run, folder, k});
     };
     // The reference usually takes longest: it starts first, so that it does not run alone at the end.
-    if (plan.reference) want(*plan.reference);
-    for (const PlannedRun& run : plan.runs) want(run);
+    if (plan.reference) want(*plan.reference, 1);
+    // One timing of all runs after the other, so that a disturbance of the machine is in one timing of each.
+    for (int k = 1; k <= study_.repeat; ++k)
+      for (const PlannedRun& run : plan.runs) want(run, k);
     fmt::print("{}: {} runs, {} of them done before, {} side by side\n", study_.name, all,
                all - missing.size(), jobs_);
     std::fflush(stdout);
 
-    for (const PlannedRun* run : missing) expect_no_run_in(results(*run));
+    for (const Timing& timing : missing) expect_no_run_in(timing.folder);
     std::vector<Job> jobs;
-    for (const PlannedRun* run : missing) {
-      const fs::path scene = folder_ / "scenes" / (run->key + ".json");
-      replace_file(scene, run->scene + '\n');
-      jobs.push_back({scene, results(*run), study_.backend, study_.threads, study_.limit, arguments_});
+    for (const Timing& timing : missing) {
+      const fs::path scene = folder_ / "scenes" / (timing.run->key + ".json");
+      replace_file(scene, timing.run->scene + '\n');
+      jobs.push_back({scene, timing.folder, study_.backend, study_.threads, study_.limit, arguments_});
     }
     std::size_t finished = all - missing.size();
     run_jobs(jobs, jobs_, [&](std::size_t i, double seconds) {
@@ -156,9 +168,11 @@ class StudyFolder {
       if (summary.value("reason", "") == reason_interrupted)
         throw Error(ErrorCode::interrupted, "the study was interrupted", folder_.string(),
                     "the same command continues where it stopped");
+      const Timing& timing = missing[i];
       const std::string label =
-          missing[i] == (plan.reference ? &*plan.reference : nullptr) ? "reference" : missing[i]->label();
-      fmt::print("[{}/{}] {}: {}, {:.1f} s\n", ++finished, all, label, status, seconds);
+          timing.run == (plan.reference ? &*plan.reference : nullptr) ? "reference" : timing.run->label();
+      const std::string again = timing.k > 1 ? fmt::format(" (timing {})", timing.k) : "";
+      fmt::print("[{}/{}] {}{}: {}, {:.1f} s\n", ++finished, all, label, again, status, seconds);
       std::fflush(stdout);
     });
     expect_no_interrupt(folder_);
@@ -192,13 +206,17 @@ class StudyFolder {
   }
 
   // Draws study.png; returns false after a warning where that failed.
-  bool plot() const {
+  bool plot(const std::vector<Wish>& wishes) const {
     json measures = json::array(), settings = json::array();
     for (const Measure& measure : study_.measures)
       measures.push_back({{"name", measure.name}, {"unit", measure.unit}});
+    for (const Wish& wish : wishes) measures[wish.measure]["want"] = wish.error;
     for (const Sweep& sweep : study_.sweep) settings.push_back(sweep.name);
-    const json plot{
-        {"name", study_.name}, {"measures", measures}, {"settings", settings}, {"line", study_.order_in}};
+    const json plot{{"name", study_.name},
+                    {"measures", measures},
+                    {"settings", settings},
+                    {"line", study_.order_in},
+                    {"repeat", study_.repeat}};
     replace_file(folder_ / "plot.json", plot.dump(1));
     fs::remove(folder_ / "study.png");  // no outdated figure with new results
     return run_tool({.program = "/usr/bin/python3",
@@ -216,64 +234,20 @@ class StudyFolder {
   int jobs_ = 1;
 };
 
-std::string counted(const std::vector<Row>& rows) {
-  std::map<std::string, int> count;
-  for (const Row& row : rows) ++count[row.status];
-  std::string text;
-  for (const auto& [status, n] : count) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, status);
-  return text;
-}
-
-std::string row_text(const Row& row, std::size_t m) {
-  const std::string time = std::isfinite(row.cpu) ? fmt::format("{:.4g} s", row.cpu) : "time not reported";
-  return fmt::format("error {:.3g}, {}: {}{}\n", row.errors[m], time, row.run.label(),
-                     row.status == name(Status::suspect) ? " (suspect: " + row.problem + ")" : "");
-}
-
-std::string reading_of(const Study& study, const Plan& plan, const std::vector<Row>& rows) {
-  std::string text =
-      fmt::format("{} rows: {}; times are processor time of the solvers\n", rows.size(), counted(rows));
-  for (std::size_t m = 0; m < study.measures.size(); ++m) {
-    const Measure& measure = study.measures[m];
-    text += fmt::format("\n{}{}\n", measure.name, measure.unit.empty() ? "" : " [" + measure.unit + "]");
-    if (!study.order_in.empty()) {
-      for (const Series& series : series_of(rows, study.order_in, m)) {
-        const std::string label = series.label.empty() ? "" : "  " + series.label;
-        const auto order = series.order();
-        if (!order) {
-          text += fmt::format("  order in {}{}: not enough rows\n", study.order_in, label);
-          continue;
-        }
-        text +=
-            fmt::format("  order in {}{}: {:.2f}, from small to large steps", study.order_in, label, *order);
-        for (const double o : series.orders) text += fmt::format(" {:.2f}", o);
-        text += "\n";
-      }
-    }
-    for (const std::size_t i : pareto_front(rows, m)) text += "  front: " + row_text(rows[i], m);
-    text += compare_methods(rows, m);
-  }
-  if (plan.try_explicit_method)
-    text +=
-        "\nthe machine has no closed loops and no limits: sweep 'method' with the values generalized_alpha "
-        "and "
-        "dormand_prince, which is faster where nothing is stiff\n";
-  return text;
-}
-
 }  // namespace
 
 int study(const StudyOptions& options) {
   const Study study = read_study(options.file);
   const std::vector<Wish> wishes = wishes_of(options.want, study);
-  const Plan plan = make_plan(study, {options.mbd_server.value_or(""), options.dem_server.value_or("")});
+  const Plan plan =
+      make_plan(study, {options.mbd_server.value_or(""), options.dem_server.value_or("")}, options.set);
   expect_servers(study, plan, options);
   const InterruptGuard guard;
   const StudyFolder folder(study, options);
   folder.complete(plan);
   const std::vector<Row> rows = folder.rows(plan);
   folder.say(reading_of(study, plan, rows));
-  const bool drawn = folder.plot();
+  const bool drawn = folder.plot(wishes);
   expect_no_interrupt(options.folder);
 
   int status = 0;

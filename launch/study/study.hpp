@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,8 +17,9 @@ struct StudyOptions {
   int jobs = 0;  // concurrent runs; 0: as many as the cores allow
   // Commands of servers that replace ours; absent: those of the scene, or ours.
   std::optional<std::string> mbd_server, dem_server, sph_server;
-  bool allow_scene_servers = false;  // whether commands of the scene are started
-  std::vector<std::string> want;     // "position=1e-3": required error of the cheapest setting
+  bool allow_scene_servers = false;   // whether commands of the scene are started
+  std::map<std::string, double> set;  // of the parameters of the scene, by name
+  std::vector<std::string> want;      // "position=1e-3": required error of the cheapest setting
 };
 
 // Returns the exit status: 0; 1 where no setting has the required errors, and where a run has died or failed.

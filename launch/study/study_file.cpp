@@ -53,6 +53,7 @@ class Reader {
     study.scene = path_.parent_path() / document.at("scene").get<std::string>();
     study.backend = document.value("backend", study.backend);
     study.threads = document.value("threads", study.threads);
+    study.repeat = document.value("repeat", study.repeat);
     study.limit = document.value("limit", study.limit);
     study.set = settings(document.value("set", json::array()), "set");
     study.sweep = sweeps(document.at("sweep"));

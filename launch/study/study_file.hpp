@@ -66,6 +66,7 @@ struct Study {
   std::vector<Measure> measures;
   std::string backend = "cpu";
   int threads = 1;
+  int repeat = 1;       // timings of each run, of which the median counts
   double limit = 3600;  // [s]
 };
 

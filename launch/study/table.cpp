@@ -77,11 +77,19 @@ double cost_of(const json& summary) {
   return cost;
 }
 
+double median(const std::vector<double>& sorted) {
+  return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+}
+
 }  // namespace
 
 bool came_to_its_end(const json& summary) {
   const std::string status = summary.value("status", "");
   return status == name(Status::ok) || status == name(Status::suspect);
+}
+
+fs::path timing_folder(const fs::path& folder, int k) {
+  return k == 1 ? folder : fs::path(folder.string() + "." + std::to_string(k));
 }
 
 bool is_complete(const fs::path& folder) {
@@ -113,7 +121,12 @@ Row row_of(const PlannedRun& run, const fs::path& folder, const Study& study, co
     row.status = row.summary.value("/error/code"_json_pointer, "") == "numerics" ? "diverged" : "failed";
     row.problem = row.summary.value("/error/what"_json_pointer, row.summary.value("reason", status));
   }
-  row.cpu = cost_of(row.summary);
+  std::vector<double> times{cost_of(row.summary)};
+  for (int k = 2; k <= study.repeat; ++k)
+    if (const json again = read_run(timing_folder(folder, k)).summary; came_to_its_end(again))
+      times.push_back(cost_of(again));
+  std::ranges::sort(times);
+  row.cpu = median(times), row.cpu_low = times.front(), row.cpu_high = times.back();
   row.errors = errors_of_run(folder, row.summary, study.measures, truth);
   return row;
 }
@@ -126,7 +139,7 @@ void write_table(const fs::path& file, const Study& study, const std::vector<Row
   for (const Sweep& sweep : study.sweep) out << sweep.name << ',';
   out << "status";
   for (const Measure& measure : study.measures) out << ",error_" << measure.name;
-  out << ",front,cpu_s";
+  out << ",front,cpu_s,cpu_low_s,cpu_high_s";
   for (const auto& [name, at] : summary_columns()) out << ',' << name;
   out << ",run,problem\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -138,7 +151,9 @@ void write_table(const fs::path& file, const Study& study, const std::vector<Row
     for (std::size_t m = 0; m < fronts.size(); ++m)
       if (std::find(fronts[m].begin(), fronts[m].end(), i) != fronts[m].end())
         front += (front.empty() ? "" : " ") + study.measures[m].name;
-    out << ',' << front << ',' << (row.summary.empty() ? "" : text(row.cpu));
+    out << ',' << front;
+    for (const double time : {row.cpu, row.cpu_low, row.cpu_high})
+      out << ',' << (row.summary.empty() ? "" : text(time));
     for (const auto& [name, at] : summary_columns()) {
       const json::json_pointer pointer(at);
       out << ',' << (row.summary.contains(pointer) ? text(row.summary.at(pointer)) : "");

@@ -9,9 +9,13 @@ namespace tandem::launch {
 // Whether the run completed, whatever its verdict.
 bool came_to_its_end(const nlohmann::json& summary);
 
+// The results of timing k = 1, 2, ... of a run, of which the first are in `folder`.
+std::filesystem::path timing_folder(const std::filesystem::path& folder, int k);
+
 // Whether the run need not be repeated: it completed, or it diverged, which it would do again.
 bool is_complete(const std::filesystem::path& folder);
 
+// Errors are those of the first timing; times are those of all that came to their ends.
 Row row_of(const PlannedRun& run, const std::filesystem::path& folder, const Study& study,
            const Truth& truth);
 

@@ -44,6 +44,7 @@ void add_conform(CLI::App& app, int& status) {
   verb->add_option("--scene", options->scene,
                    "Judge on this scene, by the checks that hold on any, in place of the built-in ones")
       ->type_name("FILE");
+  add_set(*verb, options->set);
   verb->add_option("--check", options->checks, "Only this check; may be given more than once")
       ->type_name("NAME")
       ->allow_extra_args(false);
@@ -62,6 +63,8 @@ void add_conform(CLI::App& app, int& status) {
     if (command->empty())
       throw Error(ErrorCode::usage, "no participant is given", "tandem conform",
                   "give the command that starts it, as in tandem conform ./my_solver --role mbd");
+    if (!options->set.empty() && options->scene.empty())
+      throw Error(ErrorCode::usage, "needs --scene", "--set", "the built-in scenes have no parameters");
     options->limits.patience = bounded_seconds(*patience, least_patience, most_patience, "--patience");
     options->limits.answer = bounded_seconds(*answer, least_patience, most_patience, "--answer-limit");
     if (*long_run != 0 && !(*long_run >= conform::shortest_long_run && *long_run <= 1e5))

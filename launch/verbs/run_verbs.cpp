@@ -137,6 +137,7 @@ void add_study(CLI::App& app, int& status) {
   verb->add_option("--jobs", options->jobs, "Runs side by side, 0: as many as the cores carry")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  add_set(*verb, options->set);
   verb->add_option("--want", options->want,
                    "Print the cheapest setting with at most this error: position=1e-3");
   verb->callback([=, &status] { status = study(*options); });

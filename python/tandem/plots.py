@@ -2,9 +2,12 @@
 import io
 from typing import List, Optional
 
+from tandem.end_labels import label_ends
 from tandem.signals import Signal
 
 COLOURS = ["#2f5d8a", "#d9822b", "#3f8f5f", "#a4508b", "#7a6a4f", "#b03a3a", "#4f8f9f", "#8a8a2f"]
+HUES = ["#0072b2", "#d55e00", "#009e73", "#a4508b", "#7a6a4f", "#4f8f9f"]  # that readers who are colour-blind can tell apart [OkabeIto2008]
+INK, GREY = "#4a525b", "#8a929b"  # of words and thin lines
 STYLE = {"font.family": "sans-serif", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#9aa3ad",
          "axes.labelcolor": "#4a525b", "axes.titlesize": 10, "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.grid": True,
          "grid.color": "#e6e9ed", "grid.linewidth": 0.8, "xtick.color": "#6a737d", "ytick.color": "#6a737d", "legend.frameon": False,
@@ -37,8 +40,8 @@ def chart(signals: List[Signal], file: Optional[str] = None, title: str = "", st
         for i, (name, time, values) in enumerate(lines):
             axis.plot(time, values, color=COLOURS[i % len(COLOURS)], linestyle="-" if i < len(COLOURS) else "--", label=name, linewidth=1.3)
         axis.set_ylabel(f"[{unit}]" if unit else "")
-        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
         axis.margins(x=0)
+        label_ends(axis, [(name, values, COLOURS[i % len(COLOURS)]) for i, (name, _, values) in enumerate(lines)], 1.9)
         if axis is not axes[-1, 0]:
             axis.tick_params(labelbottom=False)
     axes[-1, 0].set_xlabel("time [s]")

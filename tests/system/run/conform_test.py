@@ -100,6 +100,8 @@ class Conform(Case):
                                 (["--role", "mbd"], "no participant is given"),
                                 (["mbd_server", "--role", "mbd", "--check", "free_fal"], "did you mean 'free_fall'?"),
                                 (["dem_server", "--role", "dem", "--scene", scene], "has no particles"),
+                                (["mbd_server", "--role", "mbd", "--set", "weight=2"], "--set: needs --scene"),
+                                (["mbd_server", "--role", "mbd", "--scene", scene, "--set", "weight=2"], "weight"),
                                 (["mbd_server", "--role", "mbd", "--out", "/dev/null/x"], "cannot be created")):
             status, said, error = self.conform(*arguments)
             self.assertEqual(status, 2, said + error)

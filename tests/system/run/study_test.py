@@ -64,6 +64,25 @@ class Study(Case):
             del row["front"]  # new runs may be better than those of before
         self.assertEqual(after, before)
 
+    def test_repeated_timings_of_a_scene_with_a_parameter(self):
+        scene = json.loads((harness.SCENES / "pendulum.json").read_text())
+        scene.update(tandem="1.1", parameters={"weight": 1})
+        scene["mbd"]["bodies"][0]["mass"] = "=weight"
+        (self.folder / "pendulum.json").write_text(json.dumps(scene))
+        self.study.update(scene="pendulum.json", repeat=3)
+        self.study["sweep"] = [{"of": "mbd_step", "values": [0.01, 0.005]}]
+        self.assertIn("7 runs, 0 of them done before", self.run_study("--jobs", "1", "--set", "weight=2", "--want", "angle=1"))
+        for row in self.rows():
+            self.assertLessEqual(float(row["cpu_low_s"]), float(row["cpu_s"]))
+            self.assertLessEqual(float(row["cpu_s"]), float(row["cpu_high_s"]))
+            self.assertEqual([(self.out / "runs" / f"{row['run']}{end}" / "summary.json").is_file() for end in ("", ".2", ".3", ".4")],
+                             [True, True, True, False])
+            self.assertEqual(json.loads((self.out / "scenes" / f"{row['run']}.json").read_text())["mbd"]["bodies"][0]["mass"], 2)
+        plot = json.loads((self.out / "plot.json").read_text())
+        self.assertEqual((plot["repeat"], plot["measures"][0]["want"]), (3, 1))
+        self.assertIn("7 runs, 7 of them done before", self.run_study("--jobs", "1", "--set", "weight=2"))
+        self.assertIn("weight", self.run_study("--set", "wieght=2", expect=2))
+
     def test_a_diverged_run_is_a_row(self):
         self.study["sweep"] = [{"of": "/mbd/integrator/max_iterations", "values": [20, 1]}]
         self.study.pop("order_in")

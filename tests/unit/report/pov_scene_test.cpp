@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <sstream>
 
 #include "common/error.hpp"
@@ -87,11 +88,42 @@ TEST(PovScene, GroundOfContactIsSolidFromItsFront) {
   std::ostringstream out;
   write_pov(out, frame, two_bodies(), view_of({frame}));
   const std::string text = out.str();
-  for (const char* clearness : {",0.1>", ",0.88>"}) {
-    const std::size_t at = text.find(clearness);
-    ASSERT_NE(at, std::string::npos) << clearness;
-    EXPECT_NE(text.rfind("face_indices { 6,", at), std::string::npos);
+  for (const char* pigment : {"<0.62,0.6,0.56,0>", "<0.62,0.6,0.56,0.88>"}) {
+    const std::size_t at = text.find(pigment);
+    ASSERT_NE(at, std::string::npos) << pigment;
+    EXPECT_EQ(text.find("face_indices { 6,", text.rfind("mesh2", at)), text.rfind("face_indices", at));
   }
+}
+
+// Two faces in one plane are drawn one behind the other: no two objects have the same distance.
+TEST(PovScene, FacesInOnePlaneHaveAnOrder) {
+  Frame frame = with_box("rod\\", {});
+  frame.surfaces.push_back(frame.surfaces.front());
+  std::ostringstream out;
+  write_pov(out, frame, two_bodies(), view_of({frame}));
+  std::set<std::string> scales;
+  std::size_t found = 0;
+  const std::string text = out.str();
+  for (std::size_t at = 0; (at = text.find(" scale 0.9", at)) != std::string::npos; ++at, ++found)
+    scales.insert(text.substr(at, text.find(" translate", at) - at));
+  EXPECT_EQ(found, 3u) << "faces and edges of both, of which the first needs no scale";
+  EXPECT_EQ(scales.size(), found);
+}
+
+// Bodies of a machine without particles are solid; a fixed wall casts no shadow, and neither does anything
+// fall on the ground of the picture, which is no floor of the scene.
+TEST(PovScene, ShadowsAreThoseOfBodies) {
+  Frame frame = with_box("rod\\", {});
+  frame.surfaces.push_back({"ground", true, box_mesh({3, 3, 3})});
+  std::ostringstream out;
+  write_pov(out, frame, two_bodies(), view_of({frame}));
+  const std::string text = out.str();
+  const std::size_t body = text.find("finish { body }"), wall = text.find("finish { body }", body + 1);
+  ASSERT_NE(wall, std::string::npos);
+  EXPECT_EQ(text.find("no_shadow", body), text.find("no_shadow", text.find('\n', body)));
+  EXPECT_LT(text.find("no_shadow", wall), text.find('\n', wall));
+  const std::size_t disc = text.find("disc {");
+  EXPECT_LT(text.find("emission 1", disc), text.find('\n', disc));
 }
 
 TEST(PovScene, StandsStillInAFilm) {

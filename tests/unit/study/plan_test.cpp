@@ -98,5 +98,21 @@ TEST_F(PlanTest, Refusals) {
             "mean 'hinge.q'?)");
 }
 
+TEST_F(PlanTest, ParametersOfTheSceneCanBeSet) {
+  put("scene.json",
+      R"({"tandem": "1.1", "name": "pendulum", "end_time": 1, "coupling": {"window": 0.01},
+      "parameters": {"weight": 2}, "mbd": {
+      "bodies": [{"name": "bob", "mass": "=3*weight", "inertia": [1, 1, 1], "position": [1, 0, 0]}],
+      "joints": [{"name": "hinge", "type": "revolute", "child": "bob", "position": [0, 0, 0], "axis": [0, 1, 0]}]}})");
+  const auto mass = [](const Plan& plan) {
+    return nlohmann::json::parse(plan.runs[0].scene).at("/mbd/bodies/0/mass"_json_pointer).get<double>();
+  };
+  const Study it = study();
+  EXPECT_EQ(mass(make_plan(it)), 6);
+  EXPECT_EQ(mass(make_plan(it, {}, {{"weight", 5}})), 15);
+  EXPECT_NE(make_plan(it).runs[0].key, make_plan(it, {}, {{"weight", 5}}).runs[0].key);
+  EXPECT_NE(message([&] { make_plan(it, {}, {{"wieght", 5}}); }).find("weight"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace tandem::launch

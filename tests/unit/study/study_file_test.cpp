@@ -12,11 +12,13 @@ class StudyFile : public StudyFolderTest {
 };
 
 TEST_F(StudyFile, IsRead) {
-  const Study it = study(R"({"set": [{"of": "/mbd/bodies/0/mass", "value": 2}], "threads": 4})");
+  const Study it = study(R"({"set": [{"of": "/mbd/bodies/0/mass", "value": 2}], "threads": 4, "repeat": 3})");
   EXPECT_EQ(it.sweep[0].at.to_string(), "/coupling/window");
   EXPECT_EQ(it.sweep[1].values.size(), 2u);
   EXPECT_EQ(it.set[0].at.to_string(), "/mbd/bodies/0/mass");
   EXPECT_EQ(it.threads, 4);
+  EXPECT_EQ(it.repeat, 3);
+  EXPECT_EQ(study().repeat, 1);
   EXPECT_EQ(it.scene, folder_ / "scene.json");
   EXPECT_EQ(it.measures[0].error, "largest");
 }

@@ -72,6 +72,27 @@ TEST_F(Table, SuspectRunIsMarked) {
   EXPECT_TRUE(counts(row("r"), 0));
 }
 
+// Of repeated timings the median counts, and one that died is left out.
+TEST_F(Table, TimeIsTheMedianOfItsTimings) {
+  study_.repeat = 4;
+  const auto timing = [](double seconds) {
+    return R"({"status": "ok", "mbd_solver_cpu_seconds": )" + std::to_string(seconds) + "}";
+  };
+  put("r/summary.json", timing(0.25));
+  put("r.2/summary.json", timing(4));
+  put("r.3/summary.json", timing(0.5));
+  put("r.4/summary.json", R"({"status": "failed", "mbd_solver_cpu_seconds": 0.01})");
+  for (const char* folder : {"r", "r.2", "r.3"})
+    put(std::string(folder) + "/joints.csv", "time,hinge.q\n0.5,1\n1,2.5\n");
+  const Row found = row("r");
+  EXPECT_EQ(found.cpu, 0.5);
+  EXPECT_EQ(found.cpu_low, 0.25);
+  EXPECT_EQ(found.cpu_high, 4);
+  EXPECT_EQ(found.errors, std::vector<double>{0.5});
+  put("r.4/summary.json", timing(0.75));
+  EXPECT_EQ(row("r").cpu, 0.625);
+}
+
 TEST_F(Table, SummaryOfTheStartIsNoResult) {
   char host[256] = {};
   ASSERT_EQ(gethostname(host, sizeof host - 1), 0);
@@ -98,13 +119,14 @@ TEST_F(Table, CsvHasARowForEachRun) {
   std::ostringstream text;
   text << std::ifstream(folder_ / "t.csv").rdbuf();
   EXPECT_EQ(text.str(),
-            "window,rho_inf,status,error_angle,front,cpu_s,mbd_cpu_s,dem_cpu_s,wall_s,mbd_s,dem_s,exchange_s,"
+            "window,rho_inf,status,error_angle,front,cpu_s,cpu_low_s,cpu_high_s,mbd_cpu_s,dem_cpu_s,wall_s,"
+            "mbd_s,dem_s,exchange_s,"
             "output_s,"
             "simulated_s,windows,micro_steps,mbd_steps,energy_residual,impulse_closure,impulse_outstanding,"
             "momentum_balance,"
             "constraint_violation,max_overlap_ratio,lost_particles,state_hash,run,problem\n"
-            "0.01,0.5,ok,0.5,angle,0.25,0.25,,,,,,,,100,,,,,,,,,,,k,\n"
-            "0.01,0.5,diverged,,,0.0,,,,,,,,,,,,,,,,,,,,k,no convergence; at all\n");
+            "0.01,0.5,ok,0.5,angle,0.25,0.25,0.25,0.25,,,,,,,,100,,,,,,,,,,,k,\n"
+            "0.01,0.5,diverged,,,0.0,0.0,0.0,,,,,,,,,,,,,,,,,,,,k,no convergence; at all\n");
 }
 
 }  // namespace
