@@ -211,7 +211,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
       step_at_rest(), *facts.steps_per_window);
   for (const std::string& what : left_out) log::info("left out: {}", what);
   std::vector<double> measured;
-  if (sensors_.any()) measured = sensors_.measure(engine_->state(), start.poses, 0, seen_);
+  if (sensors_.any()) measured = sensors_.measure(*engine_, 0, seen_);
   return {{}, protocol::encode_facts(facts, others), measured};
 }
 

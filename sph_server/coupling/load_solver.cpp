@@ -168,7 +168,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   if (const double volume = mass() / properties_.density; volume > 0)
     memory_.volume_error = std::max(memory_.volume_error, std::abs(engine_->volume() / volume - 1));
   account.kinetic_energy = engine_->energies().kinetic;
-  if (sensors_.any()) loads_.sensors = sensors_.measure(engine_->state(), engine_->poses(), length, seen_);
+  if (sensors_.any()) loads_.sensors = sensors_.measure(*engine_, length, seen_);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
   return loads_;

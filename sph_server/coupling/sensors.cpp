@@ -14,17 +14,27 @@ namespace {
 
 using Kind = scene::LiquidSensor::Kind;
 
-// Whether a point in the frame of the shape is in it.
-bool contains(const scene::ParticleSensor& sensor, Vec3d x) {
-  if (const auto* box = std::get_if<scene::BoxShape>(&sensor.shape))
-    return std::fabs(x.x) <= 0.5 * box->size.x && std::fabs(x.y) <= 0.5 * box->size.y &&
-           std::fabs(x.z) <= 0.5 * box->size.z;
-  const auto& cylinder = std::get<scene::CylinderShape>(sensor.shape);
-  return std::hypot(x.x, x.y) <= cylinder.radius && std::fabs(x.z) <= 0.5 * *cylinder.height;
-}
-
-Vec3d velocity_at(const particles::BodyPose& body, Vec3d x) {
-  return body.v + cross(body.w, x - body.p);
+LiquidRegion region_of(const scene::LiquidSensor& sensor, const particles::BodyPose& body) {
+  LiquidRegion region;
+  region.centre = body.p + body.R * sensor.pose.p_WB;
+  const Mat3d own = sensor.pose.q_WB.matrix();
+  for (int a = 0; a < 3; ++a)
+    region.axes.row[a] =
+        body.R.row[a].x * own.row[0] + body.R.row[a].y * own.row[1] + body.R.row[a].z * own.row[2];
+  if (const auto* box = std::get_if<scene::BoxShape>(&sensor.shape)) {
+    region.half = 0.5 * box->size;
+  } else {
+    const auto& cylinder = std::get<scene::CylinderShape>(sensor.shape);
+    region.half = {cylinder.radius, cylinder.radius, 0.5 * *cylinder.height};
+    region.round = true;
+  }
+  if (sensor.flow_axis) {
+    Vec3d axis;
+    axis[static_cast<int>(*sensor.flow_axis)] = 1;
+    region.along = region.axes * axis;
+  }
+  region.body = body;
+  return region;
 }
 
 }  // namespace
@@ -98,47 +108,28 @@ void Sensors::add_step(double dt, std::span<const Wrench> loads, std::span<const
   }
 }
 
-void Sensors::measure_region(const Sensor& sensor, const particles::BodyPose& body, const LiquidState& state,
-                             double length, Seen& seen) {
+void Sensors::measure_region(const Sensor& sensor, const particles::BodyPose& body,
+                             const LiquidEngine& engine, double length, Seen& seen) {
   const scene::LiquidSensor& of = sensor.of;
-  const Mat3d own = of.pose.q_WB.matrix();
-  const double mass = liquid_.mass();
-  Vec3d axis;
-  if (of.flow_axis) axis[static_cast<int>(*of.flow_axis)] = 1;
-  const Vec3d along = body.R * (own * axis);
-  std::uint64_t count = 0;
-  double volume = 0, squares = 0, relative = 0;
-  Vec3d moment, momentum;
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    const Vec3d x = state.position[i], v = state.velocity[i];
-    const Vec3d in_body = body.R.transpose_times(x - body.p);
-    if (!contains(of, own.transpose_times(in_body - of.pose.p_WB))) continue;
-    ++count;
-    volume += mass / liquid_.density / (1 + state.compression[i]);
-    moment += x;
-    momentum += v;
-    squares += norm2(v);
-    relative += dot(along, v - velocity_at(body, x));
-  }
-  for (const double value : {static_cast<double>(count), static_cast<double>(count) * mass, volume,
-                             mass * moment.x, mass * moment.y, mass * moment.z, mass * momentum.x,
-                             mass * momentum.y, mass * momentum.z, 0.5 * mass * squares})
+  const RegionSums in = engine.sums_in(region_of(of, body));
+  for (const double value : {static_cast<double>(in.count), in.mass, in.volume, in.moment.x, in.moment.y,
+                             in.moment.z, in.momentum.x, in.momentum.y, in.momentum.z, in.kinetic})
     values_.push_back(value);
   if (!of.flow_axis) return;
-  const double flow = mass * relative / scene::flow_length(of);
+  const double flow = in.along / scene::flow_length(of);
   seen.passed += 0.5 * length * (seen.flow + flow);
   seen.flow = flow;
-  if (count > 0)
-    seen.longest_way = std::max(seen.longest_way, length * std::abs(relative) / static_cast<double>(count));
+  if (in.count > 0) seen.longest_way = std::max(seen.longest_way, length * std::abs(in.along) / in.mass);
   values_.push_back(flow);
   values_.push_back(seen.passed);
 }
 
-const std::vector<double>& Sensors::measure(const LiquidState& state,
-                                            std::span<const particles::BodyPose> poses, double length,
+const std::vector<double>& Sensors::measure(const LiquidEngine& engine, double length,
                                             std::vector<Seen>& seen) {
+  const std::vector<particles::BodyPose>& poses = engine.poses();
   for (std::uint32_t w = 0; w < walls_.bodies(); ++w) walls_.set_pose(w, poses[w]);
-  const Probe probe(state, liquid_, periods_, walls_);
+  // Some more than the probe looks at, which is within the support.
+  const double reach = 1.001 * liquid_.support();
   values_.clear();
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
     const Sensor& sensor = sensors_[k];
@@ -146,7 +137,7 @@ const std::vector<double>& Sensors::measure(const LiquidState& state,
     const Vec3d point = body.p + body.R * sensor.of.pose.p_WB;
     switch (sensor.of.kind) {
       case Kind::region:
-        measure_region(sensor, body, state, length, seen[k]);
+        measure_region(sensor, body, engine, length, seen[k]);
         break;
       case Kind::load: {
         const double per_time = length > 0 ? 1 / length : 0;
@@ -155,16 +146,19 @@ const std::vector<double>& Sensors::measure(const LiquidState& state,
         if (sensor.of.axis) values_.push_back(per_time * sensor.axis_torque);
         break;
       }
-      case Kind::level:
-        values_.push_back(
-            probe.level_on(point, sensor.against_gravity ? *sensor.of.axis : body.R * *sensor.of.axis));
+      case Kind::level: {
+        const Vec3d axis = sensor.against_gravity ? *sensor.of.axis : body.R * *sensor.of.axis;
+        const LiquidState near = engine.near_line(point, axis, reach);
+        values_.push_back(Probe(near, liquid_, periods_, walls_).level_on(point, axis));
         break;
+      }
       case Kind::pressure:
         if (sensor.of.area) {
           const Vec3d inwards = body.R * sensor.of.pose.q_WB.rotate({0, 0, 1});
           values_.push_back(length > 0 ? -dot(sensor.force, inwards) / (length * sensor.area) : 0);
         } else {
-          values_.push_back(probe.pressure_at(point));
+          const LiquidState near = engine.near_line(point, {}, reach);
+          values_.push_back(Probe(near, liquid_, periods_, walls_).pressure_at(point));
         }
     }
   }

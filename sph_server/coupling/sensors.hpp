@@ -35,8 +35,7 @@ class Sensors {
   // The loads on the walls over a step of dt [s] at whose begin they had these poses.
   void add_step(double dt, std::span<const Wrench> loads, std::span<const particles::BodyPose> poses);
   // The values of the columns of sph.sensors. `length`: of the window that ends now [s], 0 at the start.
-  const std::vector<double>& measure(const LiquidState& state, std::span<const particles::BodyPose> poses,
-                                     double length, std::vector<Seen>& seen);
+  const std::vector<double>& measure(const LiquidEngine& engine, double length, std::vector<Seen>& seen);
 
  private:
   struct Sensor {
@@ -50,7 +49,7 @@ class Sensors {
     double axis_torque = 0;          // [N m s]
   };
   particles::BodyPose pose_of(const Sensor& sensor, std::span<const particles::BodyPose> poses) const;
-  void measure_region(const Sensor& sensor, const particles::BodyPose& body, const LiquidState& state,
+  void measure_region(const Sensor& sensor, const particles::BodyPose& body, const LiquidEngine& engine,
                       double length, Seen& seen);
 
   std::vector<Sensor> sensors_;

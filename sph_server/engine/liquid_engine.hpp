@@ -85,6 +85,24 @@ struct LiquidTotals {
   double compression = 0;  // energy [J]
 };
 
+// A box, or a cylinder about the third axis, on a body.
+struct LiquidRegion {
+  Vec3d centre;              // [m]
+  Mat3d axes;                // of the shape, as columns [-]
+  Vec3d half;                // half the edges, or radius, radius and half the height [m]
+  bool round = false;        // a cylinder
+  Vec3d along;               // unit vector for the flow, or zero
+  particles::BodyPose body;  // relative to which the flow counts
+};
+// Sums over the particles in a region at one time.
+struct RegionSums {
+  std::uint64_t count = 0;
+  double mass = 0, volume = 0;  // [kg], [m3]
+  Vec3d moment, momentum;       // [kg m], [kg m/s]
+  double kinetic = 0;           // energy [J]
+  double along = 0;             // momentum relative to the body, along the flow [kg m/s]
+};
+
 struct StepFigures {
   double largest_speed = 0;         // relative to the vessel [m/s]
   double largest_acceleration = 0;  // [m/s2]
@@ -151,6 +169,10 @@ class LiquidEngine {
   virtual LiquidTotals totals() const = 0;
   Vec3d momentum() const { return totals().momentum; }  // of the liquid [kg m/s]
   double volume() const { return totals().volume; }     // sum of m/rho of the particles [m3]
+  virtual RegionSums sums_in(const LiquidRegion& region) const = 0;
+  // The particles less than `radius` [m] from the line through `from` along a unit vector, in their order;
+  // where `along` is zero, from the point.
+  virtual LiquidState near_line(Vec3d from, Vec3d along, double radius) const = 0;
   virtual EnergyBalance energies() const = 0;
   virtual StepFigures figures() const = 0;
   virtual StartCost start_cost() const = 0;

@@ -16,6 +16,7 @@
 #include "sph_server/engine/device_walls.hpp"
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/engine/liquid_memory.hpp"
+#include "sph_server/engine/sensed.hpp"
 #include "sph_server/engine/totals.hpp"
 #include "sph_server/engine/way_bound.hpp"
 #include "sph_server/equations/time_step.hpp"
@@ -183,6 +184,52 @@ class LiquidEngineOf final : public LiquidEngine {
     all.volume = l.mass() / l.density *
                  (static_cast<double>(count_) + particles::from_fixed(t.expansion, q.expansion));
     return all;
+  }
+
+  RegionSums sums_in(const LiquidRegion& region) const override {
+    const Liquid& l = setup_.liquid;
+    const RegionQuanta q = RegionQuanta::of(region, count_, figures_.largest_speed + norm(frame_velocity()),
+                                            figures_.largest_compression);
+    const RegionTally t =
+        exec_.template reduce<RegionTally>(count(), AddInRegion<Real>{liquid_, centres_, region, q});
+    RegionSums sums;
+    const double n = static_cast<double>(t.count);
+    sums.count = t.count;
+    sums.mass = n * l.mass();
+    sums.volume = l.mass() / l.density * (n + particles::from_fixed(t.expansion, q.expansion));
+    for (int a = 0; a < 3; ++a) {
+      sums.moment[a] = l.mass() * (n * region.centre[a] + particles::from_fixed(t.place[a], q.place));
+      sums.momentum[a] = l.mass() * particles::from_fixed(t.velocity[a], q.velocity);
+    }
+    sums.kinetic = 0.5 * l.mass() * particles::from_fixed(t.squares, q.square);
+    sums.along = l.mass() * particles::from_fixed(t.along, q.along);
+    return sums;
+  }
+
+  LiquidState near_line(Vec3d from, Vec3d along, double radius) const override {
+    exec_.grow(near_before_, count_ + 1);
+    exec_.zero(near_before_, count_ + 1);
+    const NearLine line{from, along, radius, setup_.periods};
+    const std::uint32_t n = exec_
+                                .template reduce<NearCount>(
+                                    count(), MarkNearLine<Real>{liquid_, centres_, line, near_before_.data()})
+                                .particles;
+    std::vector<NearParticle> near(n);
+    if (n > 0) {
+      exec_.grow(near_line_, n);
+      exec_.exclusive_sum(near_before_, count() + 1);
+      exec_.for_each(count(), GatherNear<Real>{liquid_, centres_, near_before_.data(), near_line_.data()});
+      exec_.download(near_line_, std::span(near));
+    }
+    LiquidState s;
+    for (const NearParticle& p : near) {
+      s.position.push_back(p.x);
+      s.velocity.push_back(p.v);
+      s.compression.push_back(p.compression);
+      s.pressure.push_back(p.pressure);
+      s.slope.push_back(p.slope);
+    }
+    return s;
   }
 
   EnergyBalance energies() const override {
@@ -636,6 +683,8 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<NearFacet> near_;
   Buffer<SeenFacet> seen_;
   Buffer<Vec3d> by_pressure_;
+  mutable Buffer<std::uint32_t> near_before_;  // see near_line()
+  mutable Buffer<NearParticle> near_line_;
 
   // The functors of a step.
   LiquidArrays<Real> liquid_;
