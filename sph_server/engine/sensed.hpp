@@ -46,7 +46,8 @@ struct RegionQuanta {
       return particles::Quantum::for_range(static_cast<double>(count) * std::max(most, 1e-150));
     };
     const double extent = norm(region.half),
-                 wall = norm(region.body.v) + norm(region.body.w) * (norm(region.centre - region.body.p) + extent);
+                 wall = norm(region.body.v) +
+                        norm(region.body.w) * (norm(region.centre - region.body.p) + extent);
     return {range(compression / (1 - compression)), range(extent), range(speed), range(speed * speed),
             range(speed + wall)};
   }

@@ -1,6 +1,7 @@
 #include "sph_server/neighbours/walls.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -24,6 +25,21 @@ std::uint8_t sides_reached(const particles::Facet& f, const particles::Facet& ot
   return sides;
 }
 
+// Of the smallest box along the axes.
+std::array<Vec3d, 8> corners_around(const std::vector<Vec3d>& points) {
+  if (points.empty()) return {};
+  Vec3d end[2] = {points.front(), points.front()};
+  for (const Vec3d& x : points)
+    for (int a = 0; a < 3; ++a) {
+      end[0][a] = std::min(end[0][a], x[a]);
+      end[1][a] = std::max(end[1][a], x[a]);
+    }
+  std::array<Vec3d, 8> corners;
+  for (std::size_t k = 0; k < corners.size(); ++k)
+    corners[k] = {end[k & 1].x, end[k >> 1 & 1].y, end[k >> 2].z};
+  return corners;
+}
+
 }  // namespace
 
 Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::vector<bool>& slip)
@@ -45,9 +61,7 @@ Walls::Walls(const std::vector<TriangleMesh>& meshes, double reach, const std::v
     poses_.push_back({{}, Mat3d::identity(), {}, {}});
     slip_.push_back(body < slip.size() && slip[body] ? 1 : 0);
     add_closed_surfaces(std::span(facets_).subspan(first), reach, surface_);
-    double extent = 0;
-    for (const Vec3d& vertex : mesh.vertices) extent = std::max(extent, norm(vertex));
-    extent_.push_back(extent);
+    corners_.push_back(corners_around(mesh.vertices));
   }
   // A point sees only facets of its cell.
   beyond_.assign(facets_.size(), 0);
@@ -89,9 +103,9 @@ double Walls::moved_from(const std::vector<particles::BodyPose>& poses_then) con
   double most = 0;
   for (std::uint32_t body = 0; body < bodies(); ++body) {
     const particles::BodyPose &then = poses_then[body], &now = poses_[body];
-    double turned2 = 0;
-    for (int k = 0; k < 3; ++k) turned2 += norm2(now.R.row[k] - then.R.row[k]);
-    most = std::max(most, norm(now.p - then.p) + std::sqrt(turned2) * extent_[body]);
+    // The way is linear in the place, and so none in the box is longer than the longest of a corner.
+    for (const Vec3d& corner : corners_[body])
+      most = std::max(most, norm((now.p - then.p) + (now.R * corner - then.R * corner)));
   }
   return most;
 }

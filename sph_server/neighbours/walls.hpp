@@ -1,6 +1,7 @@
 // The walls of bodies as triangles in body frames.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -60,7 +61,7 @@ class Walls {
   std::vector<std::uint32_t> surface_;
   bool any_closed_ = false;
   double margin_ = 0;
-  std::vector<double> extent_;  // largest distance of a vertex from the origin of its body [m]
+  std::vector<std::array<Vec3d, 8>> corners_;  // of a box around each body, in its frame [m]
 };
 
 }  // namespace tandem::sph

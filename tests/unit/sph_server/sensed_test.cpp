@@ -74,8 +74,7 @@ TEST_P(Sensed, SumsOfARegionAreThoseOfItsParticles) {
       expected.moment += mass * x;
       expected.momentum += mass * v;
       expected.kinetic += 0.5 * mass * norm2(v);
-      expected.along +=
-          mass * dot(region.along, v - region.body.v - cross(region.body.w, x - region.body.p));
+      expected.along += mass * dot(region.along, v - region.body.v - cross(region.body.w, x - region.body.p));
     }
     const RegionSums sums = stirred.engine->sums_in(region);
     ASSERT_GT(expected.count, 50u);

@@ -134,5 +134,23 @@ TEST(Walls, HideWhatOfALidIsOutsideARoundVessel) {
   }
 }
 
+// Lists of neighbours hold until walls have moved by the skin: a shaft that spins moves by its radius, not by
+// its length.
+TEST(Walls, HaveMovedAsFarAsTheirFarthestPoint) {
+  const double length = 2, edge = 0.1, angle = 0.01;
+  Walls walls({box_mesh({length, edge, edge})}, 0.05);
+  const particles::BodyPose start{{3, -2, 1}, Mat3d::identity(), {}, {}};
+  const auto turned = [&](Vec3d axis) {
+    const Vec3d part = std::sin(angle / 2) * axis;
+    walls.set_pose(0, {start.p, Quat{std::cos(angle / 2), part.x, part.y, part.z}.matrix(), {}, {}});
+    return walls.moved_from({start});
+  };
+  const double chord = 2 * std::sin(angle / 2);
+  EXPECT_NEAR(turned({1, 0, 0}), chord * std::hypot(edge / 2, edge / 2), 1e-12);
+  EXPECT_NEAR(turned({0, 0, 1}), chord * std::hypot(length / 2, edge / 2), 1e-12);
+  walls.set_pose(0, {start.p + Vec3d{0.3, 0.4, 0}, Mat3d::identity(), {}, {}});
+  EXPECT_NEAR(walls.moved_from({start}), 0.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace tandem::test
