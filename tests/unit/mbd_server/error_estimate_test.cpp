@@ -37,20 +37,24 @@ TEST(ErrorEstimate, SaysWhyThereIsNone) {
   scene.mbd->integrator.extrapolate = true;
   WholeRun extrapolated(scene);
   expect_none(extrapolated, "the error of second order is extrapolated (its two runs differ by ");
+  const double finer = extrapolated.facts()["mbd_position_error_estimate"];
+  EXPECT_GT(finer, 1e-7);
+  EXPECT_LT(finer, 1e-3);
   WholeRun stops(machines::shipped("stops"));
   expect_none(stops, "the error control took ");
-  EXPECT_THAT(stops.facts()["mbd_position_error_estimate_m"].get<std::string>(),
+  const Json of_control = stops.facts();
+  EXPECT_THAT(of_control["mbd_position_error_estimate_m"].get<std::string>(),
               testing::HasSubstr("steps with local errors of up to 1e-08 each"));
+  const double sum = of_control["mbd_position_error_estimate"];
+  EXPECT_GT(sum, 0);
+  EXPECT_LT(sum, 1e-8 * of_control["mbd_steps"].get<double>());
   scene = machines::shipped("double_pendulum");
   scene.end_time = 60;  // chaotic
   scene.mbd->integrator.step = 1e-3;
   WholeRun chaos(scene);
   const Json facts = chaos.facts();
-  for (const char* name : {"mbd_position_error_estimate_m", "mbd_rotation_error_estimate_rad"})
-    EXPECT_EQ(
-        facts[name],
-        std::string("not estimated: longer steps, with which it is measured, do not resolve the motion") +
-            hint);
+  // Errors have grown to the size of the motion.
+  EXPECT_GT(facts["mbd_position_error_estimate"].get<double>(), 0.05);
   EXPECT_EQ(facts["mbd_energy_error_estimate_J"], std::abs(facts["mbd_energy_balance_J"].get<double>()));
 }
 
@@ -77,7 +81,7 @@ TEST(ErrorEstimate, LocalErrorsAddUpToTheSizeOfTheError) {
   scene.mbd->integrator.step = 1e-3;
   WholeRun chaos(scene);
   const Json facts = chaos.facts();
-  EXPECT_TRUE(facts["mbd_position_error_estimate"].is_string());
+  EXPECT_GT(facts["mbd_position_error_estimate"].get<double>(), 0.05);
   EXPECT_LT(facts["mbd_local_error_sum"].get<double>(), 1e-3);
 }
 
