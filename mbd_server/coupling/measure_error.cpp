@@ -15,9 +15,25 @@ namespace {
 
 constexpr const char* where_to_go = "; tandem run --estimate richardson measures it";
 constexpr double fewest_steps = 16;  // of a run whose error can be measured
-// Coordinates that move by less than this share of their scale, or by less than that share of what the one of
-// their machine that moves most does, are judged as if they moved by it: the deflection of stiff parts.
-constexpr double least_motion = 1e-6, least_share = 1e-3;
+// Coordinates that move by less than these shares, of their scale and of what the one that moves most in
+// their machine does, are judged as if they moved by it: the deflection of stiff parts.
+struct Floor {
+  double motion, widest;
+};
+constexpr Floor floor_of_machine{1e-6, 1e-3};
+// In machines with stops or shapes of contact, which may rest there, of what moves most in the scene.
+constexpr Floor floor_at_rest{1e-4, 0.01};
+
+// Whether a machine, by its first link, has stops or shapes of contact (links).
+std::vector<bool> machines_that_rest(const Model& model, const std::vector<int>& machine) {
+  std::vector<bool> rests(model.links.size(), false);
+  const auto note = [&](LinkIndex link) {
+    if (link > 0) rests[static_cast<std::size_t>(machine[static_cast<std::size_t>(link)])] = true;
+  };
+  for (const int stop : model.stops) note(model.joint_forces[static_cast<std::size_t>(stop)].link);
+  for (const ContactShape& shape : model.contact.shapes) note(shape.link);
+  return rests;
+}
 
 }  // namespace
 
@@ -58,27 +74,31 @@ VectorXd MbdSolver::reach() const {
   const Model& model = machine_->model;
   VectorXd reach(model.freedoms);
   const std::vector<int> machine = machine_of_links(model);
+  const std::vector<bool> rests = machines_that_rest(model, machine);
   std::vector<double> widest(model.links.size(), 0);  // of the machine that begins with that link [-]
-  for (std::size_t i = 1; i < model.links.size(); ++i) {
-    const Link& link = model.links[i];
-    if (link.u == none) continue;
+  const auto for_each_joint = [&](auto&& f) {
+    for (std::size_t i = 1; i < model.links.size(); ++i) {
+      const Link& link = model.links[i];
+      if (link.u != none)
+        f(link, static_cast<std::size_t>(machine[i]), reach.segment(link.u, freedoms(link.kind)));
+    }
+  };
+  for_each_joint([&](const Link& link, std::size_t of, auto segment) {
     double most = 0;
     for (int k = link.u; k < link.u + freedoms(link.kind); ++k)
       most = std::max(most,
                       totals_.most[static_cast<std::size_t>(k)] - totals_.least[static_cast<std::size_t>(k)]);
     const double scale = model.scale[link.u];
-    most = std::clamp(most, least_motion * scale, scale);
-    reach.segment(link.u, freedoms(link.kind)).setConstant(most);
-    double& largest = widest[static_cast<std::size_t>(machine[i])];
-    largest = std::max(largest, most / scale);
-  }
-  for (std::size_t i = 1; i < model.links.size(); ++i) {
-    const Link& link = model.links[i];
-    if (link.u == none) continue;
-    auto of_link = reach.segment(link.u, freedoms(link.kind));
-    of_link =
-        of_link.cwiseMax(least_share * widest[static_cast<std::size_t>(machine[i])] * model.scale[link.u]);
-  }
+    segment.setConstant(std::min(most, scale));
+    widest[of] = std::max(widest[of], std::min(most / scale, 1.0));
+  });
+  const double widest_of_all = *std::max_element(widest.begin(), widest.end());
+  for_each_joint([&](const Link& link, std::size_t of, auto segment) {
+    const Floor& floor = rests[of] ? floor_at_rest : floor_of_machine;
+    segment =
+        segment.cwiseMax(model.scale[link.u] *
+                         std::max(floor.motion, floor.widest * (rests[of] ? widest_of_all : widest[of])));
+  });
   return reach;
 }
 
