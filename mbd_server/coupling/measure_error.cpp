@@ -165,12 +165,15 @@ std::string MbdSolver::difference_of_runs() {
                      machine_->model.coordinate_names[static_cast<std::size_t>(d.coordinate)]);
 }
 
-// What a run tells of its error on the way: error control the sum of its local errors, and extrapolation the
-// error of the finer of its two runs, which is larger than that of the result.
+// What a run tells of its error on the way: extrapolation the error of the finer of its two runs, which is
+// larger than that of the result, and error control the sum of its local errors where it is large. Where it
+// is small, it says less than the errors of the velocity do, which last.
 std::optional<double> MbdSolver::error_of_the_way() {
   if (machine_->model.freedoms == 0) return {};
   if (machine_->extrapolation) return spread_of_extrapolation().share / 3;
-  return control_ && sums_local_errors() ? std::optional(local_error_sum()) : std::nullopt;
+  constexpr double large = 0.01;
+  if (!control_ || !sums_local_errors() || local_error_sum() < large) return {};
+  return local_error_sum();
 }
 
 // Two runs, with steps that are `factor` and twice `factor` times as long, which may take that share of the

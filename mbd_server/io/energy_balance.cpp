@@ -32,7 +32,9 @@ double product(const Vector3d& a, const Vector3d& b) {
 template <class Value>
 Value middle_rate(bool sudden, const Value& moved, const Value& v0, const Value& v1, const Value& a0,
                   const Value& a1, double h) {
-  return sudden && product(a0, a1) >= 0 ? middle(v0, v1, a0, a1, h) : middle_rate(moved, v0, v1, h);
+  constexpr double round_off = 1e-3;
+  const bool keeps = product(a0, a1) >= -round_off * (product(a0, a0) + product(a1, a1));
+  return sudden && keeps ? middle(v0, v1, a0, a1, h) : middle_rate(moved, v0, v1, h);
 }
 
 double simpson(double begin, double middle, double end, double h) {
