@@ -94,8 +94,8 @@ TEST(TurningPulses, LeaveTheMachineAsAFineIntegrationDoes) {
     for (const double turn : {1e-3, .02, .05, .3})
       for (const double D : {1e-2, 2e-3, 1e-4})
         for (const double L : {.01, 1.})
-          for (const double step : {1e-2, 1e-3}) {
-            if (L != 1 && (D != 2e-3 || step != 1e-2)) continue;
+          for (const double step : {1e-2, 1e-3, 1e-4}) {
+            if ((L != 1 || step == 1e-4) && (D != 2e-3 || (L != 1 && step != 1e-2))) continue;
             if (turn > 200 * D) continue;  // at more than a hundred turns in a second
             for (const bool extrapolate : {false, true}) {
               const TableMotion torque = pulse(interpolation, D, turn);
