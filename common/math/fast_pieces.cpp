@@ -139,7 +139,8 @@ class Divider {
     if (settings_.order > 0 && steps < sudden)
       n = std::max(n, std::min(most_parts,
                                deviation(curve_.pieces()[i], length(i)) / (part_of_scale * settings_.scale)));
-    return static_cast<int>(std::max(1.0, std::ceil(n)));
+    const double shortest = 2 * time_resolution(knots_[i]);  // of a part; breaks that are closer are one
+    return static_cast<int>(std::max(1.0, std::min(std::ceil(n), std::floor(length(i) / shortest))));
   }
 
   const PiecewisePolynomial& curve_;

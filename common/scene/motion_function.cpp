@@ -77,11 +77,11 @@ MotionFunction::MotionFunction(const Motion& motion, FunctionOf what)
 
 void MotionFunction::resolve(double longest_step, Steps steps, Use use, double scale) {
   const int order = use == Use::coordinate ? 2 : 0;
-  const bool fixed = steps == Steps::fixed;
+  const bool trapezoidal = steps == Steps::trapezoidal;
   FastPieces settings{.order = order, .step = longest_step, .scale = scale};
-  // An error control finds the steps itself once it sees the change.
-  settings.parts = !fixed ? 8 : use == Use::signal ? 16 : use == Use::force ? 32 : 64;
-  settings.linear_parts = fixed && use != Use::signal;
+  // The control of a method of high order finds the steps itself once it sees the change.
+  settings.parts = !trapezoidal ? 8 : use == Use::signal ? 16 : use == Use::force ? 32 : 64;
+  settings.linear_parts = trapezoidal && use != Use::signal;
   const DividedFunction divided = divide_fast_pieces(curve_, settings);
   curve_ = divided.curve;
   curve_.find_breaks(std::max(order, 1), 0.1, divided.fast);

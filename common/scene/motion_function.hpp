@@ -28,11 +28,12 @@ class MotionFunction {
   explicit MotionFunction(const Motion& motion, FunctionOf what = FunctionOf::coordinate);
 
   // Sees to it that steps of at most that length miss nothing of the function. What is faster than some
-  // steps is divided by breaks; where the steps have that length whatever happens (`fixed`), a force or the
-  // acceleration of a coordinate is replaced there by one that is linear between the breaks and has the same
-  // impulse and its first moment. A signal is a force of which the value between two breaks counts, not its
-  // impulse: it keeps its values. `scale`: change of a coordinate that counts as large.
-  enum class Steps { fixed, controlled };
+  // steps is divided by breaks; where the method is exact for forces that are linear in time, as the
+  // trapezoidal rule is, a force or the acceleration of a coordinate is replaced there by one that is linear
+  // between the breaks and has the same impulse and its first moment. A signal is a force of which the value
+  // between two breaks counts, not its impulse: it keeps its values. `scale`: change of a coordinate that
+  // counts as large.
+  enum class Steps { trapezoidal, of_high_order };
   enum class Use { force, coordinate, signal };
   void resolve(double longest_step, Steps steps, Use use, double scale);
 
@@ -59,6 +60,13 @@ class MotionFunction {
   std::optional<HarmonicMotion> harmonic_;  // of a harmonic function; otherwise the curve is used
   PiecewisePolynomial curve_;
 };
+
+// The shortest duration of a change that begins at that time: its parts are longer than what is one time to
+// the solver. A prescribed position that changes at once has such speeds that the rounding of time, times
+// these, would give others an impulse: its share of what is left falls with the square of the duration.
+inline double shortest_change(double time, bool of_position) {
+  return of_position ? 3e-7 * std::sqrt(1 + std::abs(time)) : 200 * time_resolution(time);
+}
 
 // The curve of a table, before integration if it is one of speeds.
 PiecewisePolynomial table_curve(const TableMotion& table, FunctionOf what);

@@ -13,16 +13,36 @@ namespace tandem::scene {
 
 namespace {
 
-void validate_table(const TableMotion& table, const std::string& origin, const std::string& path) {
+bool gives_position(MotionOf of, FunctionOf what) {
+  return what == FunctionOf::coordinate && of == MotionOf::position;
+}
+
+void validate_table(const TableMotion& table, FunctionOf what, const std::string& origin,
+                    const std::string& path) {
   if (table.times.size() != table.values.size())
     fail(origin, path + ".values",
          std::to_string(table.values.size()) + " values for " + std::to_string(table.times.size()) + " times",
          "give one value for each time");
-  for (std::size_t k = 1; k < table.times.size(); ++k)
-    if (!(table.times[k] > table.times[k - 1]))
+  for (std::size_t k = 1; k < table.times.size(); ++k) {
+    const double last = table.times[k - 1], shortest = shortest_change(last, gives_position(table.of, what));
+    if (!(table.times[k] > last))
       fail(origin, element(path + ".times", k),
-           text(table.times[k]) + " s does not come after " + text(table.times[k - 1]) + " s",
-           "times must increase");
+           text(table.times[k]) + " s does not come after " + text(last) + " s", "times must increase");
+    if (table.times[k] - last < shortest)
+      fail(origin, element(path + ".times", k),
+           fmt::format("{} s is {:.2g} s after {} s, and a change takes {:.2g} s or more there",
+                       text(table.times[k]), table.times[k] - last, text(last), shortest),
+           "give times that are further apart, or one time with \"interpolation\": \"step\"");
+  }
+}
+
+void validate_ramp(const RampMotion& ramp, FunctionOf what, const std::string& origin,
+                   const std::string& path) {
+  if (const double shortest = shortest_change(ramp.start, gives_position(ramp.of, what));
+      ramp.duration < shortest)
+    fail(origin, path + ".duration",
+         fmt::format("{} s is too short for a change at {} s", text(ramp.duration), text(ramp.start)),
+         fmt::format("give {:.2g} s or more", shortest));
 }
 
 // The acceleration of a prescribed coordinate is continuous: corners and steps need a smoothing time.
@@ -48,6 +68,10 @@ void validate_smoothing(const TableMotion& table, const std::string& origin, con
          text(table.smoothing) + " s is longer than the shortest time between two values, " + text(shortest) +
              " s",
          "give that or less");
+  if (const double least = shortest_change(table.times.back(), table.of == MotionOf::position);
+      table.smoothing < least)
+    fail(origin, path + ".smoothing", text(table.smoothing) + " s is too short for a change",
+         fmt::format("give {:.2g} s or more", least));
 }
 
 void validate_offset(MotionOf of, double offset, const std::string& origin, const std::string& path) {
@@ -121,17 +145,22 @@ void validate_motion(const Joint& joint, double end_time, const std::string& ori
     fail(origin, path, "the joint has both a motion and a rate of " + text(joint.rate),
          "leave out the rate: the motion gives it");
   if (const auto* table = std::get_if<TableMotion>(&*joint.motion)) {
-    validate_table(*table, origin, path);
+    validate_table(*table, FunctionOf::coordinate, origin, path);
     validate_smoothing(*table, origin, path);
     validate_offset(table->of, table->offset, origin, path);
   }
-  if (const auto* ramp = std::get_if<RampMotion>(&*joint.motion))
+  if (const auto* ramp = std::get_if<RampMotion>(&*joint.motion)) {
+    validate_ramp(*ramp, FunctionOf::coordinate, origin, path);
     validate_offset(ramp->of, ramp->offset, origin, path);
+  }
   if (joint.limits) validate_travel(joint, end_time, origin, path);
 }
 
 void validate_size(const Motion& size, const std::string& origin, const std::string& path) {
-  if (const auto* table = std::get_if<TableMotion>(&size)) validate_table(*table, origin, path);
+  if (const auto* table = std::get_if<TableMotion>(&size))
+    validate_table(*table, FunctionOf::force, origin, path);
+  if (const auto* ramp = std::get_if<RampMotion>(&size))
+    validate_ramp(*ramp, FunctionOf::force, origin, path);
 }
 
 std::vector<std::string> warnings(const Scene& scene) {

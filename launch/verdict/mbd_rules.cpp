@@ -14,6 +14,12 @@ std::optional<double> value_of(const std::optional<protocol::fact::Estimate>& es
   return estimate ? estimate->value : std::nullopt;
 }
 
+// Whether a run could not be compared even with one whose steps are twice as long.
+bool is_unresolved(const std::optional<protocol::fact::Estimate>& estimate) {
+  return estimate && !estimate->value &&
+         estimate->reason.find("do not resolve the motion") != std::string::npos;
+}
+
 }  // namespace
 
 void add_mbd_rules(std::vector<Rule>& table) {
@@ -191,14 +197,32 @@ void add_mbd_rules(std::vector<Rule>& table) {
   table.push_back(
       {"position_error", "mbd_position_error_estimate", 0.01,
        "estimated error of positions due to the step, relative to the size of the machine, and of "
-       "joint coordinates, relative to how far they move: 1 % shows in a plot",
+       "joint coordinates, relative to how far they move: 1 % shows in a plot; an error that not even steps "
+       "twice as long can measure is beyond the limit",
        "a shorter step or a smaller error tolerance", nullptr,
-       [](const RunFigures& run) { return of_run(value_of(run.facts.mbd.position_error)); },
+       [](const RunFigures& run) {
+         if (is_unresolved(run.facts.mbd.position_error))
+           return of_run(std::numeric_limits<double>::quiet_NaN());
+         return of_run(value_of(run.facts.mbd.position_error));
+       },
        [](const RunFigures& run, const Figure& f, double limit) {
+         constexpr double grown = 100;
+         if (!std::isfinite(f.value))
+           return fmt::format(
+               "the error of positions is unknown, since steps twice as long do not resolve the "
+               "motion (limit {:.2g}): {}",
+               limit, finer_step(run.scene, 0.25));
+         const double local = run.facts.mbd.local_error_sum.value_or(f.value);
          return fmt::format(
              "positions are off by some {:.2g} of the machine's size, or of how far a joint moves, at "
-             "the end (estimate, limit {:.2g}): {}",
-             f.value, limit, finer_step(run.scene, limit / f.value));
+             "the end (estimate, limit {:.2g}{}): {}",
+             f.value, limit,
+             f.value > grown * local
+                 ? fmt::format("; the steps leave out {:.2g}, and small errors grow, as in a "
+                               "chaotic motion, whose positions have no meaning after a time",
+                               local)
+                 : std::string(),
+             finer_step(run.scene, limit / f.value));
        }});
   table.push_back(
       {"local_errors", "mbd_local_error_sum", 0.01,
@@ -208,7 +232,8 @@ void add_mbd_rules(std::vector<Rule>& table) {
        "the growth of small errors, in a chaotic motion much more, and often smaller",
        "a shorter step, a smaller error tolerance, or `--estimate richardson`", nullptr,
        [](const RunFigures& run) -> Figures {
-         if (value_of(run.facts.mbd.position_error)) return std::nullopt;
+         if (value_of(run.facts.mbd.position_error) || is_unresolved(run.facts.mbd.position_error))
+           return std::nullopt;
          return of_run(run.facts.mbd.local_error_sum);
        },
        [](const RunFigures& run, const Figure& f, double limit) {

@@ -110,7 +110,8 @@ double rolling_radius(const ContactFeature& feature) {
   return curvature > 0 ? 1 / curvature : 0;
 }
 
-double power(const Model& model, const ContactColumn& column, const ContactMotion& motion) {
+double power(const Model& model, const ContactColumn& column, const ContactMotion& motion,
+             std::optional<double> pressing) {
   const ContactLaw law = model.contact.law(static_cast<int>(column[ContactRow::shape_a]),
                                            static_cast<int>(column[ContactRow::shape_b]));
   const double normal = normal_force(law, -motion.gap, motion.gap_rate, column[ContactRow::entry_rate],
@@ -122,14 +123,15 @@ double power(const Model& model, const ContactColumn& column, const ContactMotio
     const double size = trial.norm();
     return (size > most ? most / size : 1) * trial.dot(rate);
   };
+  const double bound = pressing.value_or(normal);
   const AlongFactors along = along_factors(law, column, -motion.gap);
   return normal * motion.gap_rate +
          of(along.stiffness * column[ContactRow::stiffness], along.damping * column[ContactRow::damping],
-            motion.stretch - along.stiffer * motion.last_stretch, motion.sliding, law.friction * normal) +
+            motion.stretch - along.stiffer * motion.last_stretch, motion.sliding, law.friction * bound) +
          of(along.stiffness * column[ContactRow::rolling_stiffness],
             along.damping * column[ContactRow::rolling_damping],
             motion.bend - along.stiffer * motion.last_bend, motion.rolling,
-            law.rolling_friction * column[ContactRow::rolling_radius] * normal);
+            law.rolling_friction * column[ContactRow::rolling_radius] * bound);
 }
 
 ContactFeature feature_of(const ContactColumn& column) {

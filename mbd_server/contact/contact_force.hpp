@@ -26,6 +26,8 @@
 // so that it holds and slips like friction of the coefficient mu_r.
 #pragma once
 
+#include <optional>
+
 #include "mbd_server/contact/touch.hpp"
 
 namespace tandem::mbd {
@@ -82,8 +84,9 @@ struct ContactMotion {
   Vector3d last_stretch = stretch, last_bend = bend;       // at the begin of the step [m], [rad]
 };
 // Power of the force and moment at a point on the two links: negative where the point stores or dissipates
-// energy [W].
-double power(const Model& model, const ContactColumn& column, const ContactMotion& motion);
+// energy [W]. `pressing` bounds friction; none: it is the normal force of that motion [N].
+double power(const Model& model, const ContactColumn& column, const ContactMotion& motion,
+             std::optional<double> pressing = {});
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);
 // Depth at which the spring has that force [m].

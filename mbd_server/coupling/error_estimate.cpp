@@ -47,14 +47,12 @@ ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunE
   return e;
 }
 
-// An error that is that of all steps together, times the growth of small errors. Where it has grown beyond
-// `chaotic`, the difference says nothing of the run with shorter steps.
-void complete_estimate(const RunEnd& run, const RunEnd& coarse, double local_errors,
-                       ErrorEstimate& estimate) {
-  constexpr double chaotic = 100;
+// The difference of one run alone. Where small errors grow so much that it is as large as the motion itself,
+// as in a chaotic one, the run with shorter steps is as far from the truth.
+void complete_estimate(const RunEnd& run, const RunEnd& coarse, ErrorEstimate& estimate) {
   const double r2 = coarse.cubed_steps / run.cubed_steps;
+  if (!(r2 > 2)) return;
   const Difference d = coarse - run;
-  if (!(r2 > 2 && d.motion < chaotic * (r2 - 1) * local_errors)) return;
   const auto complete = [&](std::optional<double>& figure, double difference) {
     if (!figure) figure = difference / (r2 - 1);
   };
@@ -85,10 +83,9 @@ void add_error_facts(const ErrorEstimate& error, protocol::MbdFacts& facts, nloh
   };
   // The largest of three: relative to the size of the machine, in rad, and of a coordinate relative to how
   // far it has moved.
-  std::optional<double> relative;
-  if (error.position && error.rotation)
+  std::optional<double> relative = error.motion;
+  if (error.position && error.rotation && (error.motion || error.reason.find(unresolved) != 0))
     relative = std::max({*error.position / facts.size.value(), *error.rotation, error.motion.value_or(0)});
-  if (error.reason.find(unresolved) == 0 && !error.motion) relative.reset();
   others["mbd_position_error_estimate_m"] = as_json(error.position);
   facts.position_error = or_reason(relative);
   others["mbd_rotation_error_estimate_rad"] = as_json(error.rotation);

@@ -44,9 +44,8 @@ struct RunEnd {
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& coarse, const RunEnd& coarser);
 
 // The same where these runs are not in the asymptotic range, but with steps that are only twice and four
-// times as long: the difference of the first one counts as if it were, unless small errors grow too much.
-// `local_errors`: sum of the local errors of the run, relative as RunEnd::motion.
-void complete_estimate(const RunEnd& run, const RunEnd& coarse, double local_errors, ErrorEstimate& estimate);
+// times as long: the difference of the first one counts as if it were.
+void complete_estimate(const RunEnd& run, const RunEnd& coarse, ErrorEstimate& estimate);
 
 // Estimate from one run with steps that are s times shorter: (y(h) - y(h / s)) s^2 / (s^2 - 1). Where the
 // steps are `halved`, this is four thirds of the difference, as the numbers of steps do not give s more

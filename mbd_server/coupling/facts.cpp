@@ -65,7 +65,6 @@ namespace {
 
 std::vector<std::string> run_warnings(const RunFigures& f) {
   std::vector<std::string> list;
-  if (!f.spread.empty()) list.push_back(f.spread);
   if (!f.unstable_start.empty()) list.push_back(f.unstable_start);
   const ShortenedSteps& s = f.shortened;
   if (s.count > 0)

@@ -34,10 +34,8 @@ struct RunFigures {
   double start_energy = 0, end_energy = 0;       // [J]
   double energy_residual = 0, energy_scale = 0;  // of the balance, see energy_balance.hpp [J]
   int degrees_of_freedom = 0;
-  double size = 1;              // of the machine [m]
-  double periods_per_step = 0;  // of the fastest harmonic function, in the longest step [-]
-  // The warning of an extrapolation whose two runs differ much; empty: they are near to each other.
-  std::string spread;
+  double size = 1;                 // of the machine [m]
+  double periods_per_step = 0;     // of the fastest harmonic function, in the longest step [-]
   std::string unstable_start;      // the warning of an unstable equilibrium at the start; empty: it is stable
   std::string most_loaded_joint;   // empty: there is none
   std::string sharpest_turn_loop;  // name of its closure; empty: there is none

@@ -91,6 +91,8 @@ class MbdSolver final : public protocol::MotionSolver {
   void record_end_motion();
   bool sums_local_errors() const;
   void measure_local_error(double h);
+  void take_step(double h);
+  int parts_of_impulse(double h);
   void record_travel();
   VectorXd reach() const;
   double local_error_sum() const;
@@ -102,7 +104,6 @@ class MbdSolver final : public protocol::MotionSolver {
   };
   Difference spread_of_extrapolation();
   std::string difference_of_runs();
-  std::string warning_of_extrapolation();
   void record_step(double h);
   void record_contacts();
   void record_jump(double energy);
@@ -118,6 +119,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void record_window();
   void record_reactions(const std::vector<JointObservation>& joints);
   std::string obstacle_to_estimate();
+  std::optional<double> error_of_the_way();
   ErrorEstimate measure_error();
   RunEnd run_end();
   std::optional<RunEnd> run_again(double end, double steps);
@@ -129,9 +131,13 @@ class MbdSolver final : public protocol::MotionSolver {
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;          // longest requested step [s]; none: one step per window
   std::optional<StepControl> control_;  // none: fixed steps
-  // While the error is measured: limit of the number of iterations of all runs together. Beyond it, or
-  // where Newton's method fails for a whole step, the measurement ends.
-  std::optional<std::uint64_t> most_iterations_;
+  // While the error is measured: the number of iterations of all runs together beyond which the measurement
+  // ends. It ends as well where Newton's method fails for a whole step, unless these may be taken in parts.
+  struct Budget {
+    std::uint64_t iterations;
+    bool parts;
+  };
+  std::optional<Budget> budget_;
   double longest_step_ = 0;     // [s]
   double nominal_step_ = 0;     // in windows without breaks and contacts [s]
   std::string unstable_start_;  // warning of an unstable equilibrium at the start

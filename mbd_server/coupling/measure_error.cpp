@@ -8,15 +8,32 @@
 
 #include "common/cpu_time.hpp"
 #include "common/error.hpp"
+#include "mbd_server/model/machines.hpp"
 
 namespace tandem::mbd {
 namespace {
 
 constexpr const char* where_to_go = "; tandem run --estimate richardson measures it";
 constexpr double fewest_steps = 16;  // of a run whose error can be measured
-// Coordinates that move by less than this share of their scale, or by less than that share of what the one
-// that moves most does, are judged as if they moved by it.
-constexpr double least_motion = 1e-4, least_share = 0.01;
+// Coordinates that move by less than these shares, of their scale and of what the one that moves most in
+// their machine does, are judged as if they moved by it: the deflection of stiff parts.
+struct Floor {
+  double motion, widest;
+};
+constexpr Floor floor_of_machine{1e-6, 1e-3};
+// In machines with stops or shapes of contact, which may rest there, of what moves most in the scene.
+constexpr Floor floor_at_rest{1e-4, 0.01};
+
+// Whether a machine, by its first link, has stops or shapes of contact (links).
+std::vector<bool> machines_that_rest(const Model& model, const std::vector<int>& machine) {
+  std::vector<bool> rests(model.links.size(), false);
+  const auto note = [&](LinkIndex link) {
+    if (link > 0) rests[static_cast<std::size_t>(machine[static_cast<std::size_t>(link)])] = true;
+  };
+  for (const int stop : model.stops) note(model.joint_forces[static_cast<std::size_t>(stop)].link);
+  for (const ContactShape& shape : model.contact.shapes) note(shape.link);
+  return rests;
+}
 
 }  // namespace
 
@@ -52,22 +69,37 @@ void MbdSolver::record_travel() {
 }
 
 // How far each coordinate has moved, the three of a ball joint or of a translation together; not more than
-// its scale, 1 rad or the size of the machine. An error of a coordinate is judged against this.
+// its scale, 1 rad or the size of all machines. An error of a coordinate is judged against this.
 VectorXd MbdSolver::reach() const {
   const Model& model = machine_->model;
   VectorXd reach(model.freedoms);
-  for (const Link& link : model.links) {
-    if (link.u == none) continue;
+  const std::vector<int> machine = machine_of_links(model);
+  const std::vector<bool> rests = machines_that_rest(model, machine);
+  std::vector<double> widest(model.links.size(), 0);  // of the machine that begins with that link [-]
+  const auto for_each_joint = [&](auto&& f) {
+    for (std::size_t i = 1; i < model.links.size(); ++i) {
+      const Link& link = model.links[i];
+      if (link.u != none)
+        f(link, static_cast<std::size_t>(machine[i]), reach.segment(link.u, freedoms(link.kind)));
+    }
+  };
+  for_each_joint([&](const Link& link, std::size_t of, auto segment) {
     double most = 0;
     for (int k = link.u; k < link.u + freedoms(link.kind); ++k)
       most = std::max(most,
                       totals_.most[static_cast<std::size_t>(k)] - totals_.least[static_cast<std::size_t>(k)]);
     const double scale = model.scale[link.u];
-    reach.segment(link.u, freedoms(link.kind)).setConstant(std::clamp(most, least_motion * scale, scale));
-  }
-  if (reach.size() == 0) return reach;
-  const double largest = reach.cwiseQuotient(model.scale).maxCoeff();
-  return reach.cwiseMax(least_share * largest * model.scale);
+    segment.setConstant(std::min(most, scale));
+    widest[of] = std::max(widest[of], std::min(most / scale, 1.0));
+  });
+  const double widest_of_all = *std::max_element(widest.begin(), widest.end());
+  for_each_joint([&](const Link& link, std::size_t of, auto segment) {
+    const Floor& floor = rests[of] ? floor_at_rest : floor_of_machine;
+    segment =
+        segment.cwiseMax(model.scale[link.u] *
+                         std::max(floor.motion, floor.widest * (rests[of] ? widest_of_all : widest[of])));
+  });
+  return reach;
 }
 
 // Sums of local errors, relative to the reach of their coordinates: the largest.
@@ -133,29 +165,29 @@ std::string MbdSolver::difference_of_runs() {
                      machine_->model.coordinate_names[static_cast<std::size_t>(d.coordinate)]);
 }
 
-// A warning where the two runs differ so much that their errors are not of second order.
-std::string MbdSolver::warning_of_extrapolation() {
-  constexpr double much = 0.3;  // three times an error of a tenth of the way of a coordinate
-  const Difference d = spread_of_extrapolation();
-  if (d.share <= much) return {};
-  return fmt::format(
-      "the two runs of the extrapolation differ by {:.2g} of how far {} moves, so that the steps do not "
-      "resolve "
-      "the motion: give mbd.integrator.step = {:.2g}",
-      d.share, machine_->model.coordinate_names[static_cast<std::size_t>(d.coordinate)], nominal_step_ / 4);
+// What a run tells of its error on the way: extrapolation the error of the finer of its two runs, which is
+// larger than that of the result, and error control the sum of its local errors where it is large. Where it
+// is small, it says less than the errors of the velocity do, which last.
+std::optional<double> MbdSolver::error_of_the_way() {
+  if (machine_->model.freedoms == 0) return {};
+  if (machine_->extrapolation) return spread_of_extrapolation().share / 3;
+  constexpr double large = 0.01;
+  if (!control_ || !sums_local_errors() || local_error_sum() < large) return {};
+  return local_error_sum();
 }
 
 // Two runs, with steps that are `factor` and twice `factor` times as long, which may take that share of the
 // iterations of the run.
 void MbdSolver::compare_with_longer_steps(const RunEnd& run, const State& state, double factor, double share,
                                           ErrorEstimate& estimate) {
+  const bool last = factor <= 2;
   const RunTotals totals = totals_;
   const GeneralizedAlpha method = machine_->method;
   const std::optional<double> step = step_;
   const auto iterations = static_cast<double>(method.counters().newton_iterations);
   const double steps = nominal_steps() / factor;
   const VectorXd reach = this->reach();
-  most_iterations_ = static_cast<std::uint64_t>(iterations * (1 + share));
+  budget_ = {static_cast<std::uint64_t>(iterations * (1 + share)), last};
   // The errors of these runs are at least factor^2 times as large as those of the run.
   machine_->method.loosen(factor * factor);
   std::optional<RunEnd> ends[2];
@@ -169,19 +201,18 @@ void MbdSolver::compare_with_longer_steps(const RunEnd& run, const State& state,
   state_ = state;
   totals_ = totals;
   step_ = step;
-  most_iterations_.reset();
+  budget_.reset();
   machine_->method = method;
   const double spent = estimate.steps;
   estimate = ends[1] ? estimate_error(run, *ends[0], *ends[1]) : ErrorEstimate{.reason = unresolved};
-  if (estimate.reason == unresolved && ends[0] && factor <= 2)
-    complete_estimate(run, *ends[0], local_error_sum(), estimate);
+  if (estimate.reason == unresolved && ends[0] && last) complete_estimate(run, *ends[0], estimate);
   estimate.steps = spent;
 }
 
 // The further runs are short; where their steps do not resolve the motion, two longer ones follow.
 ErrorEstimate MbdSolver::measure_error() {
   if (const std::string obstacle = obstacle_to_estimate(); !obstacle.empty())
-    return {.reason = obstacle + where_to_go};
+    return {.motion = error_of_the_way(), .reason = obstacle + where_to_go};
   const RunEnd run = run_end();
   const State state = state_;
   const double cpu_begin = cpu_seconds(CpuClock::thread);
@@ -191,7 +222,7 @@ ErrorEstimate MbdSolver::measure_error() {
   // Much longer steps may end near the right place by chance, as after whole periods of a vibration.
   const bool by_chance =
       estimate.motion.value_or(HUGE_VAL) < 0.1 * local_error_sum() && local_error_sum() > 1e-3;
-  if (!estimate.reason.empty() || by_chance) compare_with_longer_steps(run, state, near, 1, estimate);
+  if (!estimate.reason.empty() || by_chance) compare_with_longer_steps(run, state, near, 2, estimate);
   // Steps between close breaks are as long in the further runs, which do not show their errors.
   if (estimate.motion) *estimate.motion += largest_share(totals_.short_step_errors);
   if (!estimate.reason.empty()) estimate.reason += where_to_go;

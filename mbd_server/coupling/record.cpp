@@ -54,7 +54,10 @@ void MbdSolver::record_step(double h) {
     totals_.energy.add(&EnergySums::particle_work, work);
     before_[k] = now;
   }
-  machine_->balance.add_step(state_, machine_->system, h, totals_.energy);
+  // Steps in parts, those of an error control and the mean of two runs do not go by the trapezoidal rule.
+  const bool sudden =
+      between_close_breaks_ && !control_ && sums_local_errors() && !machine_->method.error_of_parts();
+  machine_->balance.add_step(state_, machine_->system, h, sudden, totals_.energy);
   machine_->contacts.take_lost(
       [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
   if (!machine_->model.contact.empty()) record_contacts();
@@ -143,9 +146,9 @@ void MbdSolver::record_energy() {
   totals_.largest_residual_at = state_.time;
 }
 
-// Error control bounds the local errors, and extrapolation removes their leading term.
+// Extrapolation removes their leading term, and the explicit method has others.
 bool MbdSolver::sums_local_errors() const {
-  return !control_ && !machine_->extrapolation;
+  return !machine_->extrapolation && !machine_->explicit_method;
 }
 
 // Estimates the local error as the error control does (generalized_alpha.hpp), from the rate of the

@@ -21,6 +21,22 @@ Value middle(const Value& x0, const Value& x1, const Value& v0, const Value& v1,
   return 0.5 * (x0 + x1) + h / 8 * (v0 - v1);
 }
 
+double product(double a, double b) {
+  return a * b;
+}
+double product(const Vector3d& a, const Vector3d& b) {
+  return a.dot(b);
+}
+
+// The same where the accelerations a0 and a1 are known, in a step that is `sudden`.
+template <class Value>
+Value middle_rate(bool sudden, const Value& moved, const Value& v0, const Value& v1, const Value& a0,
+                  const Value& a1, double h) {
+  constexpr double round_off = 1e-3;
+  const bool keeps = product(a0, a1) >= -round_off * (product(a0, a0) + product(a1, a1));
+  return sudden && keeps ? middle(v0, v1, a0, a1, h) : middle_rate(moved, v0, v1, h);
+}
+
 double simpson(double begin, double middle, double end, double h) {
   return h / 6 * (begin + 4 * middle + end);
 }
@@ -95,7 +111,9 @@ void EnergyBalance::begin(const State& state, const MachineSystem& system) {
   });
 }
 
-void EnergyBalance::add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums) {
+void EnergyBalance::add_step(const State& state, const MachineSystem& system, double h, bool sudden,
+                             EnergySums& sums) {
+  sudden_ = sudden;
   // The state has lost a contact that ends with the step, and did not have one that began with it.
   for (Eigen::Index i = 0; i < contacts_.cols(); ++i)
     if (contacts_(StopRow::entry_rate, i) == 0) contacts_.col(i) = state.stops.col(i);
@@ -122,6 +140,8 @@ EnergyBalance::LoadPort EnergyBalance::seen(const LoadPort& port, const State& s
   now.point = link.point(load.at.p_LP);
   now.orientation = link.q_WL;
   now.rate = load.torque ? w : link.velocity(now.point);
+  now.acceleration = link.A.head<3>();
+  if (!load.torque) now.acceleration = at_point(link.A, now.point) + w.cross(now.rate) + model_.gravity;
   now.direction = load.direction;
   if (load.follows) {
     now.direction = link.R_WL * load.direction;
@@ -136,7 +156,8 @@ void EnergyBalance::add(const LoadPort& from, const LoadPort& to, double h, Ener
   const Vector3d moved = to.load->torque
                              ? integrated_rate(from.orientation, to.orientation, from.rate, to.rate, h)
                              : Vector3d(to.point - from.point);
-  const Vector3d rate = middle_rate(moved, from.rate, to.rate, h);
+  const Vector3d rate =
+      middle_rate(sudden_, moved, from.rate, to.rate, from.acceleration, to.acceleration, h);
   const Vector3d direction = middle(from.direction, to.direction, from.direction_rate, to.direction_rate, h);
   const double size = to.load->over ? size_over(*to.load->over, between_of(from.over, to.over, h)).value
                                     : to.load->size.at(time_ + 0.5 * h, time_).value;
@@ -153,10 +174,12 @@ EnergyBalance::Coordinates EnergyBalance::coordinates(LinkIndex i, const State& 
   if (freedoms(link.kind) == 1) {  // prescribed coordinates are not in the state
     c.q[0] = system.links()[i].coordinate.value;
     c.u[0] = system.links()[i].coordinate.rate;
+    c.udot[0] = link.motion == none ? state.udot[link.u] : system.links()[i].coordinate.acceleration;
     return c;
   }
   std::copy_n(&state.q[link.q], mbd::coordinates(link.kind), c.q.begin());
   std::copy_n(&state.u[link.u], 3, c.u.begin());
+  std::copy_n(&state.udot[link.u], 3, c.udot.begin());
   return c;
 }
 
@@ -198,7 +221,8 @@ void EnergyBalance::add(const JointPort& from, const JointPort& to, double h, En
   const int n = freedoms(model_.links[force.link].kind);
   const auto moved = displacement(force.link, from.at, to.at, h);
   for (int k = 0; k < n; ++k) {
-    const double v0 = from.at.u[k], v1 = to.at.u[k], rate = middle_rate(moved[k], v0, v1, h);
+    const double v0 = from.at.u[k], v1 = to.at.u[k],
+                 rate = middle_rate(sudden_, moved[k], v0, v1, from.at.udot[k], to.at.udot[k], h);
     if (to.dissipates) {
       const double q = n == 1 ? middle(from.at.q[0], to.at.q[0], v0, v1, h) : 0;
       between_.time = time_ + 0.5 * h, between_.side = time_;

@@ -9,6 +9,10 @@
 // force does exactly force times displacement, and a damper never returns energy. Forces over time are
 // evaluated at begin, middle and end of the step. The effort of a driven joint is known at the ends only and
 // taken as linear between them: the residual falls at least with h^2.
+//
+// In a step between close breaks of functions of time a force may rise from nothing: the rates are then
+// exact, and the displacement is off by as much as a half. Where an acceleration keeps its direction over
+// such a step, the rate in its middle is (v0 + v1) / 2 + h/8 (a0 - a1), which lies between v0 and v1.
 #pragma once
 
 #include <array>
@@ -33,20 +37,22 @@ class EnergyBalance {
   // Call where steps begin: after the state was set anew, or after loads or inputs have jumped. Both
   // functions assume the state of the last residual().
   void begin(const State& state, const MachineSystem& system);
-  // Call at the end of a step of length h since the last begin() or add_step().
-  void add_step(const State& state, const MachineSystem& system, double h, EnergySums& sums);
+  // Call at the end of a step of length h since the last begin() or add_step(); `sudden`: it is between close
+  // breaks.
+  void add_step(const State& state, const MachineSystem& system, double h, bool sudden, EnergySums& sums);
 
  private:
   // Position and rates of an elementary joint.
   struct Coordinates {
     std::array<double, 4> q;
-    std::array<double, 3> u;
+    std::array<double, 3> u, udot;
   };
   struct LoadPort {
     const LoadOnLink* load;
     Vector3d point = Vector3d::Zero();                  // of forces: point of application [m]
     Quaterniond orientation = Quaterniond::Identity();  // of torques: orientation of the link
     Vector3d rate = Vector3d::Zero();                   // of the point [m/s]; of the link [rad/s]
+    Vector3d acceleration = Vector3d::Zero();           // rate of it
     Vector3d direction = Vector3d::Zero(), direction_rate = Vector3d::Zero();  // world axes
     double power = 0;                                                          // [W]
     CoordinateMotion over{};  // of a size over a joint coordinate
@@ -120,6 +126,7 @@ class EnergyBalance {
 
   const Model& model_;
   double time_ = 0;           // of the last begin() or add_step() [s]
+  bool sudden_ = false;       // the step that is being added
   StopContactRows contacts_;  // of the stops, during the step
   std::vector<LoadPort> loads_;
   std::vector<JointPort> joints_;

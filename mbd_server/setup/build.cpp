@@ -320,10 +320,9 @@ class Builder {
   void resolve_functions() {
     using Use = MotionFunction::Use;
     const double step = longest_step();
-    const auto steps =
-        mbd_.integrator.error_tolerance || mbd_.integrator.method == scene::IntegrationMethod::dormand_prince
-            ? MotionFunction::Steps::controlled
-            : MotionFunction::Steps::fixed;
+    const auto steps = mbd_.integrator.method == scene::IntegrationMethod::dormand_prince
+                           ? MotionFunction::Steps::of_high_order
+                           : MotionFunction::Steps::trapezoidal;
     for (const Link& link : model_.links)
       if (link.motion != none)
         model_.motions[static_cast<std::size_t>(link.motion)].resolve(step, steps, Use::coordinate,

@@ -92,6 +92,7 @@ BodyContacts::Exchange BodyContacts::exchange_of(const ContactForce& f) {
   const double gap_rate = f.n.dot(f.velocity);
   return {{f.gap, gap_rate, f.stretch, f.velocity - gap_rate * f.n, f.bend, f.rolling, f.last_stretch,
            f.last_bend},
+          f.normal,
           f.power(),
           f.energy,
           f.slides,
@@ -110,6 +111,8 @@ double BodyContacts::Exchange::square(const ContactColumn& column) const {
 // Work of a point on the links over a step, by Simpson's rule; in the middle of the step gap, stretch and
 // bend are those of the cubics through both ends (energy_balance.hpp). A cubic is far from the motion where
 // the step does not resolve the contact: then it is the mean of the forces at both ends, at the mean rate.
+// Dampers have the force of that rate, so that they return no energy, and friction is bounded by the normal
+// force that was there: a normal rate far below the mean one of the step counts in that of stiff dampers.
 double BodyContacts::work(const ContactColumn& column, const Exchange& begin, const Exchange& end,
                           double h) const {
   if (!(h > 0)) return 0;
@@ -123,7 +126,7 @@ double BodyContacts::work(const ContactColumn& column, const Exchange& begin, co
     first.gap_rate = last.gap_rate = (m1.gap - m0.gap) / h;
     first.sliding = last.sliding = (m1.stretch - m0.stretch) / h;
     first.rolling = last.rolling = (m1.bend - m0.bend) / h;
-    return 0.5 * h * (power(model_, column, first) + power(model_, column, last));
+    return 0.5 * h * (power(model_, column, first, begin.normal) + power(model_, column, last, end.normal));
   }
   ContactMotion middle;
   between(m0.gap, m1.gap, m0.gap_rate, m1.gap_rate, middle.gap, middle.gap_rate);

@@ -269,33 +269,6 @@ void BodyContacts::find_pressing_masses(State& state) {
 }
 
 // Links that move with each other through joints or closures are one machine.
-void BodyContacts::find_machines() {
-  const std::size_t count = model_.links.size();
-  std::vector<LinkIndex> root(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const LinkIndex parent = model_.links[i].parent;
-    root[i] = i == 0 || parent <= 0 ? static_cast<LinkIndex>(i) : root[static_cast<std::size_t>(parent)];
-  }
-  // Each root refers to an earlier one of its machine, or to itself.
-  const auto first = [&](LinkIndex i) {
-    i = root[static_cast<std::size_t>(i)];
-    while (root[static_cast<std::size_t>(i)] != i) i = root[static_cast<std::size_t>(i)];
-    return i;
-  };
-  const auto join = [&](LinkIndex a, LinkIndex b) {
-    a = first(a), b = first(b);
-    if (a != 0 && b != 0) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  };
-  for (const Closure& c : model_.closures) {
-    join(c.a, c.b);
-    for (const CoupledLink& term : c.terms) join(c.a, term.link);
-  }
-  machine_of_link_.assign(count, none);
-  for (std::size_t i = 1; i < count; ++i)
-    machine_of_link_[i] = static_cast<int>(first(static_cast<LinkIndex>(i)));
-  busy_.assign(count, false);
-}
-
 void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   Candidate& candidate = candidates_[entry.candidate];
   const ContactFeature& feature = candidate.feature;

@@ -9,6 +9,7 @@
 #include "mbd_server/contact/contact_force.hpp"
 #include "mbd_server/contact/overlap.hpp"
 #include "mbd_server/forces/joint_force.hpp"
+#include "mbd_server/model/machines.hpp"
 #include "mbd_server/step/cubic.hpp"
 
 namespace tandem::mbd {
@@ -74,7 +75,9 @@ BodyContacts::BodyContacts(const Model& model, GeneralizedAlpha& method, Machine
     records_impulses_ = records_impulses_ || has;
   }
   if (!model.contact.empty()) impulses_.setZero(6, std::ssize(model.boundary));
-  if (!model.contact.empty()) find_machines();
+  if (model.contact.empty()) return;
+  machine_of_link_ = machine_of_links(model);
+  busy_.assign(model.links.size(), false);
 }
 
 // To which begins are found: stiff shapes, which their weight presses by little, have a smaller one [m].

@@ -97,10 +97,10 @@ class BodyContacts {
     // the step holds [m], and since when these differ [s].
     double off = 0, since = 0;
   };
-  // Motion of a point in contact, its power on the links and its energy [W], [J].
+  // Motion of a point in contact, its normal force, its power on the links and its energy [N], [W], [J].
   struct Exchange {
     ContactMotion motion;
-    double power = 0, energy = 0;
+    double normal = 0, power = 0, energy = 0;
     bool slides = false, rolls = false;
     double square(const ContactColumn& column) const;
   };
@@ -178,7 +178,6 @@ class BodyContacts {
     double rate, mass = 0, mass_a = 0, mass_b = 0;
     bool faint = false;
   };
-  void find_machines();
   int machine_of(int shape) const;
   void find_masses();
   void find_pressing_masses(State& state);

@@ -111,6 +111,17 @@ const WrongScene wrong_mbd[] = {
      "mbd.joints[1].motion: the value is 0.5 (give an object: prescribes the coordinate [rad] or [m])"},
     {"TimesNotIncreasing", R"([{"op": "replace", "path": "/mbd/joints/1/motion/times", "value": [0, 2, 2]}])",
      "mbd.joints[1].motion.times[2]: 2 s does not come after 2 s (times must increase)"},
+    {"TimesTooClose",
+     R"([{"op": "replace", "path": "/mbd/joints/1/motion/times", "value": [0, 2, 2.0000000001]}])",
+     "mbd.joints[1].motion.times[2]: 2.0000000001 s is 1e-10 s after 2 s, and a change takes 5.2e-07 s or "
+     "more "
+     "there (give times that are further apart, or one time with \"interpolation\": \"step\")"},
+    {"RampTooShort",
+     R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "ramp", "to": 1, "start": 4, "duration": 1e-10}}])",
+     "mbd.joints[1].motion.duration: 1e-10 s is too short for a change at 4 s (give 6.7e-07 s or more)"},
+    {"RampOfASpeedTooShort",
+     R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "ramp", "of": "speed", "to": 1, "start": 4, "duration": 1e-10}}])",
+     "mbd.joints[1].motion.duration: 1e-10 s is too short for a change at 4 s (give 1e-09 s or more)"},
     {"TimesWithoutValues", R"([{"op": "replace", "path": "/mbd/joints/1/motion/values", "value": [0, 1]}])",
      "mbd.joints[1].motion.values: 2 values for 3 times (give one value for each time)"},
     {"MotionWithCorners",

@@ -322,6 +322,26 @@ TEST(Verdict, ANumberThatIsNoneIsBeyondEveryLimit) {
   EXPECT_EQ(verdict_of(toy_scene(), run).lines.size(), 1u);
 }
 
+// Not even steps twice as long could be taken to measure it.
+TEST(Verdict, AnErrorThatLongerStepsCannotMeasureIsBeyondTheLimit) {
+  Json run = good_run();
+  run["mbd_position_error_estimate"] =
+      "not estimated: longer steps, with which it is measured, do not resolve the motion; what measures it";
+  const Verdict verdict = verdict_of(toy_scene(), run);
+  ASSERT_EQ(verdict.lines.size(), 1u);
+  EXPECT_EQ(verdict.lines[0].rule, "position_error");
+  EXPECT_THAT(verdict.lines[0].sentence, HasSubstr("is unknown"));
+}
+
+TEST(Verdict, GrowthOfSmallErrorsIsNamed) {
+  Json run = good_run();
+  run["mbd_position_error_estimate"] = 0.3;
+  run["mbd_local_error_sum"] = 0.001;
+  const Verdict verdict = verdict_of(toy_scene(), run);
+  ASSERT_EQ(verdict.lines.size(), 1u);
+  EXPECT_THAT(verdict.lines[0].sentence, HasSubstr("chaotic"));
+}
+
 TEST(Verdict, LimitsOfTheSceneCount) {
   scene::Scene scene = toy_scene();
   scene.dem->overlap_limit = 0.3;

@@ -138,8 +138,8 @@ TEST(MotionFunction, SizesOfForces) {
 TEST(MotionFunction, IsDividedWhereItIsFasterThanTheSteps) {
   const TableMotion pulse{{0, .1, .1004, .101, .3}, {0, 0, 5, 0, 0}, Interpolation::monotone};
   MotionFunction force(pulse, FunctionOf::force), exact = force, signal = force;
-  force.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::force, HUGE_VAL);
-  signal.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::signal, HUGE_VAL);
+  force.resolve(.01, MotionFunction::Steps::trapezoidal, MotionFunction::Use::force, HUGE_VAL);
+  signal.resolve(.01, MotionFunction::Steps::trapezoidal, MotionFunction::Use::signal, HUGE_VAL);
   double impulse = 0, moment = 0, difference = 0;
   constexpr int parts = 200000;
   for (int k = 0; k < parts; ++k) {
@@ -153,7 +153,7 @@ TEST(MotionFunction, IsDividedWhereItIsFasterThanTheSteps) {
   EXPECT_GT(difference, 1e-3);
   EXPECT_GE(force.breaks().size(), 64u);
   MotionFunction ramp(RampMotion{0, .2, .1, .001}), exact_ramp = ramp;
-  ramp.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::coordinate, 1);
+  ramp.resolve(.01, MotionFunction::Steps::trapezoidal, MotionFunction::Use::coordinate, 1);
   ASSERT_GE(ramp.breaks().size(), 65u);
   for (const double t : ramp.breaks()) {
     EXPECT_NEAR(ramp.at(t).value, exact_ramp.at(t).value, 1e-13);
@@ -161,7 +161,7 @@ TEST(MotionFunction, IsDividedWhereItIsFasterThanTheSteps) {
   }
   MotionFunction slow(RampMotion{0, .2, .1, .7});
   const auto before = slow.breaks();
-  slow.resolve(.01, MotionFunction::Steps::fixed, MotionFunction::Use::coordinate, 1);
+  slow.resolve(.01, MotionFunction::Steps::trapezoidal, MotionFunction::Use::coordinate, 1);
   EXPECT_EQ(slow.breaks(), before);
 }
 

@@ -146,20 +146,50 @@ TEST(Contact, FourBarPressedAgainstAStop) {
   expect_near("speed [m/s]", norm(run.velocity()), 0, 1e-8);
 }
 
-// Painleve's rod: with much friction there are positions from which a rigid rod cannot go on to slide. Here
-// it jams at its lower end, takes off, and never gains energy.
+// Painleve's rod of 1 m: it slides on its lower end.
+scene::Scene painleves_rod(double speed, double angle, double friction) {
+  ContactScene s;
+  s.add_floor();
+  const double half = 0.5;
+  const BodyId rod = s.add("rod", 1, {1. / 12, 1. / 12, 1e-4}, {0, 0, half * std::sin(angle) + 0.01 - 1e-5},
+                           scene::CapsuleShape{0.01, 2 * half, {}});
+  const double tilt = std::numbers::pi / 2 - angle;
+  s.body(rod).pose.q_WB = {std::cos(tilt / 2), 0, std::sin(tilt / 2), 0};
+  s.body(rod).twist.v_WB = {speed, 0, 0};
+  s.material() = {"stuff", 1e7, 0, 0, 0.1, friction};
+  return s.scene;
+}
+
+// With less friction than that it slides on. What friction takes is what the energy lacks, with steps that
+// are much longer than the period of the contact as well.
+TEST(Contact, FrictionOfPainlevesRodIsBalanced) {
+  for (const double friction : {0.4, 0.8, 1.2})
+    for (const double speed : {-3., 3.})
+      for (const double angle : {1.1, 1.2}) {
+        double fine = 0;
+        for (const double step : {1e-4, 5e-4, 1e-3, 2e-3}) {
+          ContactRun run(painleves_rod(speed, angle, friction), step);
+          run.advance(static_cast<int>(std::lround(0.2 / step)));
+          const nlohmann::json facts = run.facts();
+          const double lost = facts.at("mbd_dissipated_J");
+          if (step == 1e-4) fine = lost;
+          const std::string what = "friction " + std::to_string(friction).substr(0, 3) + ", " +
+                                   std::to_string(static_cast<int>(speed)) + " m/s, step " +
+                                   std::to_string(step).substr(0, 6) + " s: ";
+          expect_near(what + "dissipated [J]", lost, fine, 5e-3 * fine);
+          expect_near(what + "balance / scale",
+                      facts.at("mbd_largest_energy_balance_J").get<double>() /
+                          facts.at("mbd_energy_scale_J").get<double>(),
+                      0, 2e-3);
+        }
+      }
+}
+
+// With much friction there are positions from which a rigid rod cannot go on to slide. Here it jams at its
+// lower end, takes off, and never gains energy.
 TEST(Contact, PainlevesRodEnds) {
   for (const double speed : {-3., 3.}) {
-    ContactScene s;
-    s.add_floor();
-    const double half = 0.5, angle = 1.1;  // of the rod with the floor [rad]
-    const BodyId rod = s.add("rod", 1, {1. / 12, 1. / 12, 1e-4}, {0, 0, half * std::sin(angle) + 0.01 - 1e-5},
-                             scene::CapsuleShape{0.01, 2 * half, {}});
-    const double tilt = std::numbers::pi / 2 - angle;
-    s.body(rod).pose.q_WB = {std::cos(tilt / 2), 0, std::sin(tilt / 2), 0};
-    s.body(rod).twist.v_WB = {speed, 0, 0};
-    s.material() = {"stuff", 1e7, 0, 0, 0.1, 2.5};
-    ContactRun run(s.scene, 1e-3);
+    ContactRun run(painleves_rod(speed, 1.1, 2.5), 1e-3);
     try {
       run.advance(300);
       std::printf("  sliding at %+.0f m/s: centre at (%.3f, %.3f) m after 0.3 s, %s steps\n", speed,

@@ -148,6 +148,34 @@ TEST(FastFunctions, RampOfACarriageFasterThanAnyStep) {
       .005, 2e-4);
 }
 
+// The motion that a short ramp leaves behind is small beside 1 rad, by which error control judges it.
+TEST(FastFunctions, SmallRampsOfACarriageUnderErrorControl) {
+  for (const MotionOf of : {MotionOf::position, MotionOf::speed})
+    for (const double to : {1e-4, 1e-3})
+      for (const double D : {1e-9, 1e-6, 1e-5, 1e-4, 1e-3})
+        for (const double step : {5e-4, 1e-2})
+          for (const double tolerance : {1e-6, 1e-8}) {
+            if (D < 1e-6 && of == MotionOf::position) continue;  // refused
+            const RampMotion ramp{0, to, .1037, D, of};
+            const scene::Scene scene = set(carriage(ramp, 1), {"", tolerance}, step, 1);
+            machines::WholeRun run(scene);
+            const Swing exact = swing(MotionFunction(ramp), 1, end_of(scene));
+            const auto& joint = run.solver.observe().joints[1];
+            const double amplitude = std::hypot(exact.angle, exact.rate / std::sqrt(9.81 / 1.01)),
+                         error = std::hypot(joint.q - exact.angle,
+                                            (joint.rate - exact.rate) / std::sqrt(9.81 / 1.01));
+            const nlohmann::json facts = run.facts();
+            const nlohmann::json& estimate = facts["mbd_position_error_estimate"];
+            const double says = estimate.is_number() ? estimate.get<double>() : 0;
+            std::printf(
+                "%s by %g within %g s, window %g s, tolerance %g: angle %.8f, expected %.8f; off by %.1e of "
+                "the swing, says %.1e; %d steps\n",
+                of == MotionOf::speed ? "speed" : "ramp", to, D, step, tolerance, joint.q, exact.angle,
+                error / amplitude, says, static_cast<int>(run.solver.state().steps));
+            EXPECT_TRUE(error < 0.02 * amplitude || says > 0.01);
+          }
+}
+
 TEST(FastFunctions, RampOfASpeedSwingsItsPendulum) {
   expect_swing(
       "speed ramp",

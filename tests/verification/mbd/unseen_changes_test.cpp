@@ -96,32 +96,69 @@ TEST(UnstableEquilibrium, IsNamedInTheSummary) {
   EXPECT_NE(facts["warnings"][0].get<std::string>().find("unstable"), std::string::npos);
 }
 
-// A vibration of A in a machine of 1 m, with n steps in a period for fifty periods. The stated error is at
-// least a third of the true one, relative to A, or more than a hundredth.
+struct Vibration {
+  double amplitude = 0, omega = 0;  // [m or rad], [rad/s]
+  double stated = 0, error = 0;     // of how far it moves
+};
+
+// Runs `periods` and a quarter with n steps in each. The coordinate is that of the first joint.
+Vibration vibrate(scene::Scene scene, double amplitude, double omega, int n, double periods) {
+  scene.coupling.window = 2 * std::numbers::pi / omega / n;
+  scene.end_time = std::round((periods + .25) * n) * scene.coupling.window;
+  scene.mbd->joints[0].rate = amplitude * omega;
+  machines::WholeRun run(scene);
+  const double x = run.solver.state().q[0], t = run.solver.state().time;
+  const nlohmann::json facts = run.facts();
+  const auto& estimate = facts["mbd_position_error_estimate"];
+  return {amplitude, omega,
+          estimate.is_number() ? estimate.get<double>() : facts["mbd_local_error_sum"].get<double>(),
+          std::abs(x - amplitude * std::sin(omega * t)) / (2 * amplitude)};
+}
+
+void add_flywheel(scene::Scene& scene, double distance) {
+  const BodyId fly = machines::add_body(scene, "fly", 1000, {500, 500, 500}, {distance, 0, 0});
+  machines::add_joint(scene, "f", JointType::revolute, ground, fly, {distance, 0, 0}, {0, 0, 1}).rate = 1;
+}
+
+// The stated error is at least a third of the true one, relative to the amplitude, or more than a hundredth.
+void expect_stated(const char* what, const Vibration& v, int n) {
+  std::printf("%s, amplitude %g, %d steps in a period: error %.2e of the motion, stated %.2e\n", what,
+              v.amplitude, n, v.error, v.stated);
+  EXPECT_TRUE(v.stated > 0.01 || v.error < 3 * v.stated);
+}
+
+// A vibration in a machine of 1 m, alone and beside another machine that is far away and turns.
 TEST(SmallMotions, AreJudgedByWhatTheyDo) {
-  for (const double amplitude : {5e-4, 5e-3, 5e-2})
-    for (const int n : {24, 60, 200, 1000}) {
-      const double omega = 20 * std::numbers::pi;
+  for (const double beside : {0., 10., 100., 1000.})
+    for (const double amplitude : {5e-4, 5e-3, 5e-2})
+      for (const int n : {24, 60, 200, 1000}) {
+        if (beside > 0 && n > 60) continue;
+        const double omega = 20 * std::numbers::pi;
+        scene::Scene scene = machines::empty({0, 0, 0});
+        const BodyId b = machines::add_body(scene, "b", 1, {.1, .1, .1}, {1, 0, 0});
+        machines::add_joint(scene, "j", JointType::prismatic, ground, b, {1, 0, 0}, {1, 0, 0});
+        scene::SpringDamper spring;
+        spring.name = "s", spring.body_b = b, spring.point_b = {1, 0, 0}, spring.length = 1;
+        spring.stiffness = omega * omega;
+        scene.mbd->forces.push_back(spring);
+        if (beside > 0) add_flywheel(scene, beside);
+        expect_stated(beside > 0 ? "beside another machine" : "alone",
+                      vibrate(scene, amplitude, omega, n, 50), n);
+      }
+}
+
+TEST(SmallMotions, OfTorsionAreJudgedByWhatTheyDo) {
+  for (const double amplitude : {1e-5, 1e-4, 1e-2})
+    for (const int n : {24, 60}) {
+      const double omega = 100, inertia = .1;
       scene::Scene scene = machines::empty({0, 0, 0});
-      const BodyId b = machines::add_body(scene, "b", 1, {.1, .1, .1}, {1, 0, 0});
-      machines::add_joint(scene, "j", JointType::prismatic, ground, b, {1, 0, 0}, {1, 0, 0}).rate =
-          amplitude * omega;
-      scene::SpringDamper spring;
-      spring.name = "s", spring.body_b = b, spring.point_b = {1, 0, 0}, spring.length = 1;
-      spring.stiffness = omega * omega;
+      const BodyId b = machines::add_body(scene, "t", 1, {inertia, inertia, inertia}, {0, 0, 0});
+      machines::add_joint(scene, "j", JointType::revolute, ground, b, {0, 0, 0}, {0, 0, 1});
+      scene::RotationalSpringDamper spring;
+      spring.name = "k", spring.joint = JointId{0}, spring.stiffness = inertia * omega * omega;
       scene.mbd->forces.push_back(spring);
-      scene.coupling.window = 2 * std::numbers::pi / omega / n;
-      scene.end_time = 50.25 * n * scene.coupling.window;
-      machines::WholeRun run(scene);
-      const double x = run.solver.state().q[0], t = run.solver.state().time,
-                   error = std::abs(x - amplitude * std::sin(omega * t)) / (2 * amplitude);
-      const nlohmann::json facts = run.facts();
-      const auto& estimate = facts["mbd_position_error_estimate"];
-      const double says =
-          estimate.is_number() ? estimate.get<double>() : facts["mbd_local_error_sum"].get<double>();
-      std::printf("amplitude %g m, %d steps in a period: x/A %.4f, error %.2e of the motion, stated %.2e\n",
-                  amplitude, n, x / amplitude, error, says);
-      EXPECT_TRUE(says > 0.01 || error < 3 * says);
+      add_flywheel(scene, 1);
+      expect_stated("torsion", vibrate(scene, amplitude, omega, n, 30), n);
     }
 }
 
