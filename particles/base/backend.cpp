@@ -28,7 +28,7 @@ Backend choose_backend(std::string_view wanted) {
   if (wanted == "cuda") {
     if (!cuda_built())
       throw Error(ErrorCode::resource, "this build has no CUDA", "--backend cuda",
-                  "install nvcc and build again, or use --backend cpu");
+                  "build with launch/build cuda, which needs nvcc, or use --backend cpu");
     if (!cuda_present())
       throw Error(ErrorCode::resource, "no CUDA device answers on this host", "--backend cuda",
                   "use --backend cpu");

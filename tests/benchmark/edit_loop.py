@@ -18,7 +18,7 @@ CHANGES = {
     "contact law": ("dem_server/laws/hertz.hpp", ["dem_law_test"], ["dem_law_test"], 60),
     "pair term of the liquid": ("sph_server/equations/pair_terms.hpp", ["sph_equations_test"], ["sph_equations_test"], 60),
     "force element": ("mbd_server/forces/spring_damper.cpp", ["mbd_unit"],
-                      ["mbd_unit --gtest_filter=Actuators.*:Bushing.*:Derivatives*"], 60),
+                      ["mbd_unit"], 60),
     "scene key": ("common/scene/model.hpp", ["scene_test"], ["scene_test"], 180),
     "verdict rule": ("launch/verdict/particle_rules.cpp", ["coordinator_tests"],
                      ["coordinator_tests --gtest_filter=Verdict.*:*EachRule*:Status.*"], 60),

@@ -19,7 +19,9 @@ def built(folder, since):
 
 
 def tested(folder):
-    """{test: seconds} of the last run of ctest."""
+    """{test: seconds} of the last run of ctest; of a build without tests none."""
+    if not (folder / "ctest.txt").exists():
+        return {}
     lines = (folder / "ctest.txt").read_text(errors="replace")
     return {name: float(seconds)
             for name, seconds in re.findall(r"Test +#\d+: (.+?) (?:# GetParam\(\)[^\n]*?)?\.\.+[^\n]*? ([0-9.]+) sec", lines)}

@@ -104,5 +104,24 @@ TEST(Laws, CriticalTimeSeparatesStableStepsFromUnstableOnes) {
   EXPECT_GT(amplitude.template operator()<Paper>(1.02), 100);
 }
 
+// Two spheres that are pressed together without motion: 4/3 E* sqrt(R*) overlap^(3/2) with E* = E / (2 (1 -
+// nu^2)), by hand.
+TEST(Laws, HertzsForceIsThatOfItsMaterials) {
+  const scene::Material m = glass();
+  const scene::Pair pair = pair_of(0.8);
+  const double mass = sphere_mass(radius, m) / 2;
+  Contact<double> c;
+  c.n = {0, 0, 1};
+  c.dt = 1e-6;
+  c.r_eff = radius / 2;
+  c.m_eff = mass;
+  c.overlap = 1e-5;
+  Vec3d spring;
+  const auto k = coefficients(HertzFrictionless::constants(pair, m, m), radius / 2, mass, radius);
+  const double expected = 0.015900928, measured = HertzFrictionless{}(c, k, 0, spring).normal;
+  std::printf("force of Hertz: expected %.9f measured %.9f N tolerance 1e-8\n", expected, measured);
+  EXPECT_NEAR(measured, expected, 1e-8);
+}
+
 }  // namespace
 }  // namespace tandem::dem
