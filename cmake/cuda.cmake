@@ -31,24 +31,29 @@ else()
   message(STATUS "tandem: CUDA back end OFF: ${TANDEM_CUDA_REASON}")
 endif()
 
-# tandem_cuda_sources(TARGET SOURCE...): kernels and the code that starts them, as part of TARGET where the CUDA back end is built.
-# The target `kernels` compiles those of all targets and nothing else.
+# tandem_cuda_sources(TARGET SOURCE... HOST SOURCE...): kernels and the code that starts them, as part of TARGET where the CUDA back end
+# is built. HOST: sources of TARGET that differ in such a build. The target `kernels` compiles those of all targets and nothing else.
 add_custom_target(kernels)
 function(tandem_cuda_sources target)
-  if(TANDEM_HAS_CUDA)
-    add_library(${target}_kernels OBJECT ${ARGN})
-    tandem_target(${target}_kernels)
-    target_link_libraries(${target}_kernels PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
-    target_include_directories(${target}_kernels PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
-    target_compile_definitions(${target}_kernels PRIVATE $<TARGET_PROPERTY:${target},COMPILE_DEFINITIONS>)
-    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_kernels>)
-    # Without fused multiply-add the kernels give the bits of the CPU, and the two forces of a pair cancel exactly.
-    target_compile_options(${target}_kernels PRIVATE
-      $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false --expt-relaxed-constexpr -Werror=all-warnings>)
-    # This reduces the size to a fifth. Every driver that runs code of CUDA 13 can decompress it.
-    if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
-      target_compile_options(${target}_kernels PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:--compress-mode=size>)
-    endif()
-    add_dependencies(kernels ${target}_kernels)
+  if(NOT TANDEM_HAS_CUDA)
+    return()
+  endif()
+  cmake_parse_arguments(PARSE_ARGV 1 of "" "" HOST)
+  add_library(${target}_kernels OBJECT ${of_UNPARSED_ARGUMENTS})
+  add_library(${target}_host OBJECT EXCLUDE_FROM_ALL ${of_HOST})
+  foreach(part ${target}_kernels ${target}_host)
+    tandem_target(${part})
+    target_link_libraries(${part} PRIVATE $<TARGET_PROPERTY:${target},LINK_LIBRARIES>)
+    target_include_directories(${part} PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
+    target_compile_definitions(${part} PRIVATE $<TARGET_PROPERTY:${target},COMPILE_DEFINITIONS>)
+    add_dependencies(kernels ${part})
+  endforeach()
+  target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_kernels>)
+  # Without fused multiply-add the kernels give the bits of the CPU, and the two forces of a pair cancel exactly.
+  target_compile_options(${target}_kernels PRIVATE
+    $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false --expt-relaxed-constexpr -Werror=all-warnings>)
+  # This reduces the size to a fifth. Every driver that runs code of CUDA 13 can decompress it.
+  if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
+    target_compile_options(${target}_kernels PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:--compress-mode=size>)
   endif()
 endfunction()
