@@ -8,6 +8,7 @@ import argparse
 import csv
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
@@ -17,14 +18,13 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CHANGES = {
     "contact law": ("dem_server/laws/hertz.hpp", ["dem_law_test"], ["dem_law_test"], 60),
     "pair term of the liquid": ("sph_server/equations/pair_terms.hpp", ["sph_equations_test"], ["sph_equations_test"], 60),
-    "force element": ("mbd_server/forces/spring_damper.cpp", ["mbd_unit"],
-                      ["mbd_unit"], 60),
+    "force element": ("mbd_server/forces/spring_damper.cpp", ["mbd_unit"], ["mbd_unit"], 60),
     "scene key": ("common/scene/model.hpp", ["scene_test"], ["scene_test"], 180),
     "verdict rule": ("launch/verdict/particle_rules.cpp", ["coordinator_tests"],
                      ["coordinator_tests --gtest_filter=Verdict.*:*EachRule*:Status.*"], 60),
     "coordinator": ("launch/coordinator/schemes.cpp", ["coordinator_tests"],
                     ["coordinator_tests --gtest_filter=Schemes.*:*Order*"], 60),
-    "python": ("python/tandem/spheres.py", [], ["ctest -R python.(Layout|Helpers)"], 60),
+    "python": ("python/tandem/spheres.py", [], ["ctest -R spheres_test|python.(Layout|Helpers)"], 60),
 }
 
 
@@ -64,10 +64,15 @@ def main():
     if unknown := set(arguments.changes) - set(CHANGES):
         parser.error(f"unknown change {sorted(unknown)[0]!r}; known are {', '.join(CHANGES)}")
     build = ROOT / "build" / arguments.preset
+    if not (build / "build.ninja").exists():
+        parser.error(f"nothing is built in {build}: ./launch/build {arguments.preset}")
+    # The source that is being changed is put back.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     rows = []
     for change in arguments.changes or CHANGES:
         programs = CHANGES[change][1]
         if programs:
+            print(f"{change}: brings {' '.join(programs)} up to date first", flush=True)
             run(["ninja", *programs], build)
         compile_s, test_s = once(build, change)
         rows.append([change, CHANGES[change][0], f"{compile_s:.1f}", f"{test_s:.1f}", f"{compile_s + test_s:.1f}", CHANGES[change][3]])

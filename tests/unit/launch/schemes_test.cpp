@@ -192,5 +192,25 @@ TEST(Schemes, ParticlesSeeThePathThatTheSchemeSays) {
             session.exchange.motion.bodies[0].end_pose.p_WB.x);
 }
 
+// What the bodies get of a load: all of it, its mean, or its value at the end, held over the window.
+TEST(Schemes, ALoadIsHeldInItsShape) {
+  protocol::LoadSet load;
+  protocol::BodyLoad body;
+  body.mean = {{1, 2, 3}, {4, 5, 6}};
+  body.first_moment = {{7, 8, 9}, {10, 11, 12}};
+  body.end = {{13, 14, 15}, {16, 17, 18}};
+  load.bodies = {body};
+  const auto expect = [&](scene::LoadShape shape, Wrench mean, Wrench first_moment) {
+    const protocol::BodyLoad held = shaped(load, shape).bodies.front();
+    EXPECT_EQ(norm(held.mean.force - mean.force) + norm(held.mean.torque - mean.torque), 0);
+    EXPECT_EQ(norm(held.first_moment.force - first_moment.force) +
+                  norm(held.first_moment.torque - first_moment.torque),
+              0);
+  };
+  expect(scene::LoadShape::linear, body.mean, body.first_moment);
+  expect(scene::LoadShape::mean, body.mean, {});
+  expect(scene::LoadShape::end, body.end, {});
+}
+
 }  // namespace
 }  // namespace tandem::launch
