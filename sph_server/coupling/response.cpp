@@ -86,6 +86,11 @@ std::vector<Direction> directions_of(const scene::Freedom& freedom) {
   return all;
 }
 
+// No particle was near the body.
+bool is_dry(const Impulses& base) {
+  return std::ranges::all_of(base, [](const Vector6& impulse) { return impulse.isZero(0); });
+}
+
 double gyration_of(const scene::Body& body) {
   return std::sqrt((body.inertia[0] + body.inertia[1] + body.inertia[2]) / (2 * body.mass));
 }
@@ -129,14 +134,15 @@ std::vector<protocol::BodyResponse> measure_responses(LiquidEngine& engine, cons
   std::size_t pushes = 0;
   for (const BodyId body : bodies) pushes += directions_of(freedoms[body.value]).size();
   if (pushes == 0) return responses;
-  log::info("measuring how the liquid resists {} bodies: {} steps", bodies.size(),
+  log::info("measuring how the liquid resists {} bodies: at most {} steps", bodies.size(),
             (pushes + 1) * static_cast<std::size_t>(steps));
   const Push push(engine, start, poses, body_of, dt, steps);
   const std::map<std::uint32_t, Impulses> base = push.of_all();
   const double speed = share_of_sound * sound_speed;
   for (const BodyId body : bodies) {
-    const std::vector<Direction> directions = directions_of(freedoms[body.value]);
+    std::vector<Direction> directions = directions_of(freedoms[body.value]);
     if (directions.empty()) continue;
+    if (is_dry(base.at(body.value))) directions.clear();  // nothing resists
     const double gyration = gyration_of(scene.mbd->bodies[body.value]);
     double time = 0;
     for (const std::array<double, 36>& impulse :
