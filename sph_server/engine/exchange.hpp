@@ -1,6 +1,10 @@
 // Particles that come in and go out between two steps.
 #pragma once
 
+#include <numeric>
+#include <utility>
+#include <vector>
+
 #include "sph_server/engine/liquid_engine_of.hpp"
 
 namespace tandem::sph {
@@ -21,6 +25,14 @@ void exchange_entries(std::span<const std::uint32_t> leaving, std::size_t more, 
   all.resize(kept + more);
 }
 
+// Entry i becomes entry number[i].
+template <class T>
+void put_in_order(const std::vector<std::uint32_t>& number, std::vector<T>& all) {
+  std::vector<T> ordered(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) ordered[number[i]] = all[i];
+  all = std::move(ordered);
+}
+
 template <class Exec, class Real, bool shifting>
 void LiquidEngineOf<Exec, Real, shifting>::exchange(std::span<const std::uint32_t> leaving,
                                                     const LiquidState& arriving,
@@ -28,8 +40,11 @@ void LiquidEngineOf<Exec, Real, shifting>::exchange(std::span<const std::uint32_
   lost_ = {};
   figures_.passed_walls += locate_particles().passed;
   Host host = download();
+  const std::vector<std::uint32_t> number = host.number;
+  each(host, [&](auto& array) { put_in_order(number, array); });
   const std::size_t more = arriving.size(), kept = count_ - leaving.size();
   each(host, [&](auto& array) { exchange_entries(leaving, more, array); });
+  std::iota(host.number.begin(), host.number.end(), 0u);
   for (std::size_t k = 0; k < more; ++k) place(host, static_cast<std::uint32_t>(kept + k), arriving, k);
   upload(host);
   set_poses(poses);

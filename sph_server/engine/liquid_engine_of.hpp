@@ -48,22 +48,21 @@ class LiquidEngineOf final : public LiquidEngine {
     pairs_.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
     mark_.support = backs_.support = setup.liquid.support();
-    see_.kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
+    const WallKernel kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
+    hiders_.kernel = see_whole_.kernel = see_partial_.kernel = wall_sums_.kernel = edges_.kernel = kernel;
     rates_.properties = setup.liquid;
     rates_.inverse_sound2 = 1 / (setup.liquid.sound_speed * setup.liquid.sound_speed);
     rates_.peak = wall_sums_.peak = Kernel<double>::of_support(setup.liquid.support()).peak;
     wall_sums_.wall = WallConstants::of(setup.liquid);
     wall_sums_.repulsion = WallRepulsion::of(setup.liquid);
-    wall_sums_.kernel = see_.kernel;
     wall_sums_.mass = setup.liquid.mass();
-    edges_.kernel = see_.kernel;
     edges_.wall = wall_sums_.wall;
     edges_.mass = setup.liquid.mass();
     edges_.spacing = setup.liquid.spacing;
     advance_.periods = setup_.periods;
     advance_.properties = setup.liquid;
-    mark_.centres = place_.centres = backs_.centres = see_.centres = wall_sums_.centres = edges_.centres =
-        advance_.centres = centres_;
+    mark_.centres = place_.centres = backs_.centres = hiders_.centres = see_whole_.centres =
+        see_partial_.centres = wall_sums_.centres = edges_.centres = advance_.centres = centres_;
   }
 
   void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) override {
@@ -98,13 +97,19 @@ class LiquidEngineOf final : public LiquidEngine {
   LiquidState state() const override {
     const Host host = download();
     LiquidState s;
+    s.position.resize(count_);
+    s.velocity.resize(count_);
+    s.compression.resize(count_);
+    s.pressure.resize(count_);
+    s.slope.resize(count_);
     for (std::size_t i = 0; i < count_; ++i) {
       const particles::FinePart<Real> fine = fine_of(host, i);
-      s.position.push_back(centres_.metres(centres_.joined(host.position[i], fine)));
-      s.velocity.push_back(particles::velocity_of(host.velocity[i], fine));
-      s.compression.push_back(host.compression[i]);
-      s.pressure.push_back(static_cast<double>(host.state[i].pressure));
-      s.slope.push_back(host.slope[i].template as<double>());
+      const std::uint32_t k = host.number[i];
+      s.position[k] = centres_.metres(centres_.joined(host.position[i], fine));
+      s.velocity[k] = particles::velocity_of(host.velocity[i], fine);
+      s.compression[k] = host.compression[i];
+      s.pressure[k] = static_cast<double>(host.state[i].pressure);
+      s.slope[k] = host.slope[i].template as<double>();
     }
     return s;
   }
@@ -220,6 +225,7 @@ class LiquidEngineOf final : public LiquidEngine {
       exec_.exclusive_sum(near_before_, count() + 1);
       exec_.for_each(count(), GatherNear<Real>{liquid_, centres_, near_before_.data(), near_line_.data()});
       exec_.download(near_line_, std::span(near));
+      std::ranges::sort(near, {}, &NearParticle::number);
     }
     LiquidState s;
     for (const NearParticle& p : near) {
@@ -261,6 +267,9 @@ class LiquidEngineOf final : public LiquidEngine {
  private:
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
+  // Particles are put in the order of cells with each so many-th list: until then a particle moves a few
+  // spacings at most.
+  static constexpr std::uint64_t lists_in_order = 16;
   using Memory = LiquidMemory<Exec::template Buffer, Real, shifting>;
   using Host = HostLiquid<Real, shifting>;
 
@@ -420,6 +429,7 @@ class LiquidEngineOf final : public LiquidEngine {
   // are zero.
   void place(Host& host, std::uint32_t i, const LiquidState& from, std::size_t k) {
     particles::FinePart<Real> fine{};
+    host.number[i] = i;
     centres_.split(centres_.wrapped(centres_.of(from.position[k]), setup_.periods), host.position[i], fine);
     particles::set_velocity(from.velocity[k], host.velocity[i], fine);
     if constexpr (particles::has_fine_part<Real>) host.fine[i] = fine;
@@ -450,12 +460,12 @@ class LiquidEngineOf final : public LiquidEngine {
   void use_arrays() {
     liquid_ = memory_.view(count_);
     liquid_.neighbours = neighbours_.view();
-    arrays_ = {facets_.view(), particle_.data(), place_of_facet_.data(), near_count_.data(),
-               near_.data(),   seen_.data(),     by_pressure_.data()};
-    pairs_.liquid = mark_.liquid = place_.liquid = backs_.liquid = see_.liquid = rates_.liquid =
-        wall_sums_.liquid = edges_.liquid = advance_.liquid = liquid_;
-    mark_.arrays = number_.arrays = place_.arrays = backs_.arrays = see_.arrays = wall_sums_.arrays =
-        edges_.arrays = arrays_;
+    arrays_ = {facets_.view(),    particle_.data(), place_of_facet_.data(), near_count_.data(), near_.data(),
+               hiders_of_.data(), sight_.data(),    seen_.data(),           by_pressure_.data()};
+    pairs_.liquid = mark_.liquid = place_.liquid = backs_.liquid = hiders_.liquid = see_whole_.liquid =
+        see_partial_.liquid = rates_.liquid = wall_sums_.liquid = edges_.liquid = advance_.liquid = liquid_;
+    mark_.arrays = number_.arrays = place_.arrays = backs_.arrays = hiders_.arrays = see_whole_.arrays =
+        see_partial_.arrays = wall_sums_.arrays = edges_.arrays = arrays_;
     mark_.walls = place_.walls = wall_sums_.walls = edges_.walls = device_walls_.view();
     backs_.surface = place_.walls.surface;
     number_.beside_wall = backs_.beside_wall = wall_sums_.beside_wall = beside_wall_.data();
@@ -516,6 +526,7 @@ class LiquidEngineOf final : public LiquidEngine {
       take_out_lost();
     }
     figures_.passed_walls += strays.passed;
+    if (figures_.rebuilds % lists_in_order == 0) put_in_order_of_cells();
     std::swap(built_at_, located_);
     build_lists();
     built_poses_ = walls_.poses();
@@ -524,8 +535,8 @@ class LiquidEngineOf final : public LiquidEngine {
     ++figures_.rebuilds;
   }
 
-  // The lists of the positions in built_at_.
-  void build_lists() {
+  // Writes cell_start_ and in_cell_.
+  void sort_into_cells(const Buffer<Vec3d>& positions) {
     if (grid_.total == 0) {
       scene::Box domain = setup_.domain;
       // Where it is displaced, positions beside its end must not be rounded into a cell beyond the last.
@@ -537,23 +548,37 @@ class LiquidEngineOf final : public LiquidEngine {
       grid_origin_ = grid_.origin;
     }
     grid_.origin = grid_origin_ + domain_shift();
-    for (auto* array : {&key_, &scratch_, &in_cell_, &near_count_}) exec_.grow(*array, count_);
-    exec_.sort_into_cells(count(), grid_.total, CellOfParticle{grid_, built_at_.data()}, key_.data(),
+    for (auto* array : {&key_, &scratch_, &in_cell_}) exec_.grow(*array, count_);
+    exec_.sort_into_cells(count(), grid_.total, CellOfParticle{grid_, positions.data()}, key_.data(),
                           scratch_.data(), cell_start_, in_cell_);
+  }
+
+  // The lists of the positions in built_at_.
+  void build_lists() {
+    sort_into_cells(built_at_);
+    exec_.grow(near_count_, count_);
     const WallsView walls = device_walls_.view();
     // Lists are symmetric also where two particles are just within the reach.
     exec_.build_list(count(), FindFacets{walls, built_at_.data(), reach_ * (1 + 1e-9)}, facets_);
-    exec_.build_list(
-        count(),
-        FindNeighbours{grid_, grid_.edge(reach_), cells_of_reach_, setup_.periods, cell_start_.data(),
-                       in_cell_.data(), built_at_.data(), reach_, walls, facets_.view()},
-        neighbours_);
     exec_.grow(particle_, facets_.total);
+    exec_.grow(distance_, facets_.total);
+    exec_.grow(clearance_, count_);
+    exec_.for_each(count(), NameParticles{facets_.view(), particle_.data()});
+    exec_.for_each(facets_.total, MeasureFacets{walls, facets_.view(), particle_.data(), built_at_.data(),
+                                                reach_, distance_.data()});
+    exec_.for_each(count(), FindClearance{facets_.view(), distance_.data(),
+                                          MeasureFacets::at_least(reach_, walls.margin), clearance_.data()});
+    exec_.build_list(count(),
+                     FindNeighbours{grid_, grid_.edge(reach_), cells_of_reach_, setup_.periods,
+                                    cell_start_.data(), in_cell_.data(), built_at_.data(), reach_, walls,
+                                    facets_.view(), distance_.data(), clearance_.data()},
+                     neighbours_);
     exec_.grow(place_of_facet_, facets_.total);
     exec_.grow(near_, facets_.total);
+    exec_.grow(hiders_of_, facets_.total);
+    exec_.grow(sight_, facets_.total);
     exec_.grow(seen_, facets_.total);
     if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
-    if (facets_.total > 0) exec_.for_each(count(), NameParticles{facets_.view(), particle_.data()});
     list_beside_walls();
     use_arrays();
   }
@@ -572,15 +597,20 @@ class LiquidEngineOf final : public LiquidEngine {
 
   // See engine/lost.hpp.
   void take_out_lost();
+  // See engine/cell_order.hpp.
+  void take(const Buffer<std::uint32_t>& source, std::size_t n);
+  void put_in_order_of_cells();
   // Builds the lists of built_at_ and built_poses_.
   void use_saved_lists();
 
-  void refuse_outside(std::uint32_t i) const {
+  void refuse_outside(std::uint32_t number) const {
     const Host host = download();
+    const auto i = static_cast<std::size_t>(std::ranges::find(host.number, number) - host.number.begin());
     const Vec3d x = centres_.metres(centres_.joined(host.position[i], fine_of(host, i)));
-    throw Error(ErrorCode::numerics,
-                "particle " + std::to_string(i) + " is at " + scene::rounded(x) + " m, outside the domain",
-                "liquid", "enlarge the domain, or take a smaller step");
+    throw Error(
+        ErrorCode::numerics,
+        "particle " + std::to_string(number) + " is at " + scene::rounded(x) + " m, outside the domain",
+        "liquid", "enlarge the domain, or take a smaller step");
   }
 
   // Names the first particle that sees a facet through so many others that some parts are missing.
@@ -593,7 +623,8 @@ class LiquidEngineOf final : public LiquidEngine {
       const Vec3d x = centres_.metres(centres_.joined(host.position[i], fine_of(host, i)));
       walls_.find_seen(x, R, near);
       bool complete = true;
-      for (int k = 0; k < near.count && complete; ++k) seen_integrals(x, near, k, see_.kernel, complete);
+      for (int k = 0; k < near.count && complete; ++k)
+        seen_integrals(x, near, k, wall_sums_.kernel, complete);
       if (complete) continue;
       where = "the particle at " + scene::rounded(x) + " m";
       break;
@@ -609,7 +640,9 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(beside_walls_, number_);
     exec_.for_each(facets_.total, place_);
     if (walls_.any_closed()) exec_.for_each(beside_walls_, backs_);
-    exec_.for_each(facets_.total, see_);
+    exec_.for_each(facets_.total, hiders_);
+    exec_.for_each_where(facets_.total, HasSight{sight_.data(), Sight::whole}, see_whole_);
+    exec_.for_each_where(facets_.total, HasSight{sight_.data(), Sight::partial}, see_partial_);
   }
 
   void sum_rates() {
@@ -680,7 +713,10 @@ class LiquidEngineOf final : public LiquidEngine {
   List<Exec, Neighbour> neighbours_;
   List<Exec, std::uint32_t> facets_;
   Buffer<std::uint32_t> particle_, near_count_, place_of_facet_;
+  Buffer<float> distance_, clearance_;  // see MeasureFacets and FindClearance
   Buffer<NearFacet> near_;
+  Buffer<Hiders> hiders_of_;
+  Buffer<Sight> sight_;
   Buffer<SeenFacet> seen_;
   Buffer<Vec3d> by_pressure_;
   mutable Buffer<std::uint32_t> near_before_;  // see near_line()
@@ -694,7 +730,9 @@ class LiquidEngineOf final : public LiquidEngine {
   NumberFacets number_;
   PlaceFacet<Real> place_;
   RemoveBacks<Real> backs_;
-  SeeFacets<Real> see_;
+  FindHiders<Real> hiders_;
+  SeeFacets<Real, Sight::whole> see_whole_;
+  SeeFacets<Real, Sight::partial> see_partial_;
   SumWalls<Real, shifting> wall_sums_;
   SumRates<Real, shifting> rates_;
   SumEdges<Real> edges_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "sph_server/step/arrays.hpp"
@@ -11,6 +12,7 @@ namespace tandem::sph {
 // Array<T>: std::vector, or a buffer of a back end.
 template <template <class> class Array, class Real, bool shifting>
 struct LiquidMemory {
+  Array<std::uint32_t> number;
   Array<particles::PositionRadius<Real>> position;
   Array<particles::VelocityKind<Real>> velocity;
   Array<particles::FinePart<Real>> fine;
@@ -24,6 +26,7 @@ struct LiquidMemory {
   // Calls visit(name, array of each of `all`), for memories that may have different arrays.
   template <class Visit, class... All>
   static void each(Visit visit, All&... all) {
+    visit("number", all.number...);
     visit("position", all.position...);
     visit("velocity", all.velocity...);
     if constexpr (particles::has_fine_part<Real>) visit("fine", all.fine...);
@@ -41,6 +44,7 @@ struct LiquidMemory {
   LiquidArrays<Real> view(std::size_t count) {
     LiquidArrays<Real> v;
     v.count = static_cast<std::uint32_t>(count);
+    v.number = number.data();
     v.position = position.data();
     v.velocity = velocity.data();
     v.fine = fine.data();

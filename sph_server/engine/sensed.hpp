@@ -105,6 +105,7 @@ struct MarkNearLine {
   }
 };
 struct NearParticle {
+  std::uint32_t number = 0;
   Vec3d x, v, slope;
   double compression = 0, pressure = 0;
 };
@@ -117,9 +118,11 @@ struct GatherNear {
   TANDEM_HD void operator()(std::uint32_t i) const {
     if (before[i] == before[i + 1]) return;
     const particles::FinePart<Real> fine = liquid.fine_part(i);
-    near[before[i]] = {centres.metres(centres.joined(liquid.position[i], fine)),
+    near[before[i]] = {liquid.number[i],
+                       centres.metres(centres.joined(liquid.position[i], fine)),
                        particles::velocity_of(liquid.velocity[i], fine),
-                       liquid.slope[i].template as<double>(), liquid.compression[i],
+                       liquid.slope[i].template as<double>(),
+                       liquid.compression[i],
                        static_cast<double>(liquid.state[i].pressure)};
   }
 };

@@ -76,13 +76,13 @@ struct Move {
     farthest.add({norm2(advance.periods.shortest(x - built_at[i] - drift))});
   }
 };
-// From particle `first` on.
+// From the particle with the number `first` on.
 template <class Real>
 struct UpdateState {
   Advance<Real> advance;
   std::uint32_t first = 0;
   TANDEM_HD void operator()(std::uint32_t i) const {
-    if (i >= first) advance.update_state(i);
+    if (advance.liquid.number[i] >= first) advance.update_state(i);
   }
 };
 
@@ -94,7 +94,7 @@ TANDEM_HD inline bool is_inside(const scene::Box& domain, Vec3d x) {
 
 // Particles that are where they cannot be.
 struct Strays {
-  std::uint32_t first_outside = ~0u;     // of the domain
+  std::uint32_t first_outside = ~0u;     // of the domain: its number
   std::uint32_t first_not_finite = ~0u;  // position or velocity
   std::uint32_t passed = 0;              // a wall
   TANDEM_HD void add(const Strays& b) {
@@ -122,8 +122,8 @@ struct Locate {
   TANDEM_HD void operator()(std::uint32_t i, Strays& strays) const {
     x[i] = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
     const double size2 = norm2(x[i]) + norm2(particles::velocity_of(liquid.velocity[i], liquid.fine_part(i)));
-    if (!(size2 < largest2)) strays.add({.first_not_finite = i});
-    if (!is_inside(domain, x[i])) strays.add({.first_outside = i});
+    if (!(size2 < largest2)) strays.add({.first_not_finite = liquid.number[i]});
+    if (!is_inside(domain, x[i])) strays.add({.first_outside = liquid.number[i]});
     if (built_at == nullptr) return;
     const Vec3d now = built_at[i] + periods.shortest(x[i] - built_at[i]);
     for (std::uint32_t n = facets.start[i]; n < facets.start[i + 1]; ++n)

@@ -1,6 +1,7 @@
 // The engines of one back end.
 #pragma once
 
+#include "sph_server/engine/cell_order.hpp"
 #include "sph_server/engine/exchange.hpp"
 #include "sph_server/engine/lost.hpp"
 #include "sph_server/engine/state_copies.hpp"

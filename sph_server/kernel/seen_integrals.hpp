@@ -52,44 +52,74 @@ class Hiding {
   TriangleCone cone_;
 };
 
-// Facets: `count` of them in `facet`, of which facet k is seen. complete becomes false where so many facets
-// hide parts of it that some are missing.
+// Facets that may hide a part of another one: bit n for facet n of a list, the last bit for all from there
+// on.
+using Hiders = std::uint64_t;
+inline constexpr int listed_hiders = 63;
+
+// Facets: `count` of them in `facet`. Those that may hide a part of facet k from x.
 template <class Facets>
-TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, const WallKernel& kernel,
-                                        bool& complete) {
+TANDEM_HD Hiders hiders_of(Vec3d x, const Facets& near, int k, const WallKernel& kernel) {
+  const Hiding hiding(x, near.facet[k], 1e-6 * kernel.R);
+  Hiders hiders = 0;
+  for (int n = 0; n < near.count; ++n)
+    if (n != k && hiding.may(near.facet[n])) {
+      hiders |= Hiders{1} << (n < listed_hiders ? n : listed_hiders);
+      if (n >= listed_hiders) break;
+    }
+  return hiders;
+}
+
+template <class Facet>
+TANDEM_HD FacetIntegrals whole_integrals(Vec3d x, const Facet& f, const WallKernel& kernel) {
+  const Vec3d corner[3] = {f.a, f.b, f.c};
+  return facet_integrals(x, corner, 3, f.normal, f.height, kernel);
+}
+
+// Of facet k, without what the hiders hide. complete becomes false where so many facets hide parts of it that
+// some are missing.
+template <class Facets>
+TANDEM_HD FacetIntegrals partial_integrals(Vec3d x, const Facets& near, int k, Hiders hiders,
+                                           const WallKernel& kernel, bool& complete) {
   const auto& f = near.facet[k];
   const Vec3d corner[3] = {f.a, f.b, f.c};
   const double tolerance = 1e-6 * kernel.R;
-  const Hiding hiding(x, f, tolerance);
-  // The first facets that hide a part; those from `further` on are tested when they are needed.
-  constexpr int most_listed = 32;
-  particles::UninitialisedArray<std::int32_t, most_listed> hider;
-  int listed = 0, further = 0;
-  for (; further < near.count && listed < most_listed; ++further)
-    if (further != k && hiding.may(near.facet[further])) hider[listed++] = further;
-  if (listed == 0) return facet_integrals(x, corner, 3, f.normal, f.height, kernel);
+  particles::UninitialisedArray<std::uint8_t, listed_hiders> hider;
+  int listed = 0;
+  for (int n = 0; n < listed_hiders; ++n)
+    if (hiders >> n & 1) hider[listed++] = static_cast<std::uint8_t>(n);
+  const int further = hiders >> listed_hiders != 0 ? near.count - listed_hiders : 0;
   const auto shadow = [&](int n) {
-    const int facet = n < listed ? hider[n] : further + n - listed;
+    const int facet = n < listed ? hider[n] : listed_hiders + n - listed;
     const auto& g = near.facet[facet];
-    if (n >= listed && (facet == k || !hiding.may(g))) return Shadow{};
+    if (n >= listed && (facet == k || !Hiding(x, f, tolerance).may(g))) return Shadow{};
     return Shadow::of(x, g.a, g.b, g.c, g.normal, tolerance);
   };
-  const int hiders = listed + near.count - further;
   FacetIntegrals sum;
-  const auto add = [&](const Polygon& part) {
-    sum += facet_integrals(x, part.corner.data(), part.count, f.normal, f.height, kernel);
-  };
   // Fewer facets hide a piece of the triangle than the whole of it.
   for (int pieces = 1; pieces <= 256; pieces *= 2) {
     bool whole_sum = true;
     sum = {};
     for_pieces(corner, pieces, [&](const Polygon& piece) {
-      whole_sum = whole_sum && for_visible_parts(piece, f.normal, x, kernel.R, hiders, shadow, add);
+      if (!whole_sum) return;
+      VisibleParts parts(piece, f.normal, x, kernel.R, listed + further, shadow);
+      for (Polygon part; parts.find_next(part);)
+        sum += facet_integrals(x, part.corner.data(), part.count, f.normal, f.height, kernel);
+      whole_sum = parts.complete();
     });
     if (whole_sum) return sum;
   }
   complete = false;
   return sum;
+}
+
+// Of facet k, as x sees it.
+template <class Facets>
+TANDEM_HD FacetIntegrals seen_integrals(Vec3d x, const Facets& near, int k, const WallKernel& kernel,
+                                        bool& complete) {
+  const Hiders hiders = hiders_of(x, near, k, kernel);
+  return hiders == 0 ? whole_integrals(x, near.facet[k], kernel)
+                     : partial_integrals(x, near, k, hiders, kernel, complete);
 }
 
 }  // namespace tandem::sph

@@ -7,25 +7,54 @@
 
 namespace tandem::sph {
 
-// A convex polygon.
+// A convex polygon. Copies have its corners, not the room for more of them.
 struct Polygon {
   static constexpr int most = 16;
   particles::UninitialisedArray<Vec3d, most> corner;  // [m]
   int count = 0;
+
+  Polygon() = default;
+  TANDEM_HD Polygon(const Polygon& b) { *this = b; }
+  TANDEM_HD Polygon& operator=(const Polygon& b) {
+    count = b.count;
+    for (int k = 0; k < b.count; ++k) corner[k] = b.corner[k];
+    return *this;
+  }
+  TANDEM_HD void add(Vec3d x) {
+    if (count < most) corner[count++] = x;
+  }
 };
 
-// The part of `p` where dot(y - origin, normal) >= 0, appended to nothing: a polygon of its own.
-TANDEM_HD inline Polygon clipped(const Polygon& p, Vec3d origin, Vec3d normal) {
-  Polygon kept;
+// Cuts `p` along a plane: where dot(y - origin, normal) >= 0 it is `inside`, where <= 0 `outside`.
+TANDEM_HD inline void cut(const Polygon& p, Vec3d origin, Vec3d normal, Polygon& inside, Polygon& outside) {
+  inside.count = outside.count = 0;
+  Vec3d a = p.corner[0];
+  double at_a = p.count > 0 ? dot(a - origin, normal) : 0;
+  const double at_first = at_a;
   for (int k = 0; k < p.count; ++k) {
-    const Vec3d a = p.corner[k], b = p.corner[k + 1 < p.count ? k + 1 : 0];
-    const double at_a = dot(a - origin, normal), at_b = dot(b - origin, normal);
-    if (at_a >= 0 && kept.count < Polygon::most) kept.corner[kept.count++] = a;
-    if ((at_a < 0) != (at_b < 0) && kept.count < Polygon::most)
-      kept.corner[kept.count++] = a + (at_a / (at_a - at_b)) * (b - a);
+    const bool last = k + 1 == p.count;
+    const Vec3d b = p.corner[last ? 0 : k + 1];
+    const double at_b = last ? at_first : dot(b - origin, normal);
+    if (at_a >= 0) inside.add(a);
+    if (at_a <= 0) outside.add(a);
+    const bool leaves = (at_a < 0) != (at_b < 0), enters = (at_a > 0) != (at_b > 0);
+    if (leaves || enters) {
+      const Vec3d on_plane = a + (at_a / (at_a - at_b)) * (b - a);
+      if (leaves) inside.add(on_plane);
+      if (enters) outside.add(on_plane);
+    }
+    a = b;
+    at_a = at_b;
   }
-  if (kept.count < 3) kept.count = 0;
-  return kept;
+  if (inside.count < 3) inside.count = 0;
+  if (outside.count < 3) outside.count = 0;
+}
+
+// The part of `p` where dot(y - origin, normal) >= 0.
+TANDEM_HD inline Polygon clipped(const Polygon& p, Vec3d origin, Vec3d normal) {
+  Polygon inside, outside;
+  cut(p, origin, normal, inside, outside);
+  return inside;
 }
 
 // Is any corner further than `tolerance` beyond the plane through `origin`, on the side of `normal`?
@@ -109,62 +138,89 @@ struct Shadow {
   }
 };
 
-// Calls each(polygon) for parts of `whole`, counter-clockwise about `facing`, that do not overlap and are all
-// that x sees of it within `radius`. shadow(k): what hides it, for k from 0 to hiders - 1. False where too
-// many parts are pending: some are missing then.
-template <class ShadowAt, class Each>
-TANDEM_HD bool for_visible_parts(const Polygon& whole, Vec3d facing, Vec3d x, double radius, int hiders,
-                                 ShadowAt shadow, Each each) {
-  constexpr int most = 20;
-  // Parts of less area are of rounding size [m2].
-  const double least = 1e-14 * radius * radius;
-  particles::UninitialisedArray<Polygon, most> pending;
-  particles::UninitialisedArray<int, most> next;  // the first shadow that the part has not been cut by
-  int count = 1;
-  pending[0] = whole;
-  next[0] = 0;
-  while (count > 0) {
-    --count;
-    const Polygon part = pending[count];
-    int k = next[count];
-    bool cut = false;
-    for (; k < hiders && !cut; ++k) {
-      const Shadow hides = shadow(k);
-      if (!hides.meets(part)) continue;
-      // Each of the four cuts below adds one corner at most; what has more corners falls into two halves.
-      if (part.count > Polygon::most - 4) {
-        if (count + 2 > most) return false;
-        const int middle = part.count / 2;
-        Polygon &first = pending[count], &second = pending[count + 1];
-        first.count = second.count = 0;
-        for (int n = 0; n <= middle; ++n) first.corner[first.count++] = part.corner[n];
-        for (int n = middle; n <= part.count; ++n)
-          second.corner[second.count++] = part.corner[n < part.count ? n : 0];
-        next[count] = next[count + 1] = k;
-        count += 2;
-        cut = true;
-        break;
-      }
-      // What is left of the part after the four cuts is hidden. A shadow that hides nothing
-      // within `radius` cuts nothing.
-      int outsides = 0;
-      Polygon rest = part;
-      for (int side = 0; side < 4 && rest.count > 0; ++side) {
-        const Polygon outside = clipped(rest, hides.origin[side], -hides.inward[side]);
-        if (outside.count > 0 && !is_beyond(outside, x, facing, radius) && twice_area(outside) > least) {
-          if (count + outsides == most) return false;
-          pending[count + outsides] = outside;
-          next[count + outsides++] = k + 1;
-        }
-        rest = clipped(rest, hides.origin[side], hides.inward[side]);
-      }
-      if (rest.count == 0 || twice_area(rest) <= least || is_beyond(rest, x, facing, radius)) continue;
-      count += outsides;
-      cut = true;
-    }
-    if (!cut) each(part);
+// The parts of a polygon, counter-clockwise about `facing`, that do not overlap and are all that x sees of it
+// within `radius`, one after the other: what needs them can wait until all threads of a GPU's warp have one.
+// shadow(k): what hides it, for k from 0 to hiders - 1.
+template <class ShadowAt>
+class VisibleParts {
+ public:
+  TANDEM_HD VisibleParts(const Polygon& whole, Vec3d facing, Vec3d x, double radius, int hiders,
+                         const ShadowAt& shadow)
+      : facing_(facing), x_(x), radius_(radius), hiders_(hiders), shadow_(shadow) {
+    pending_[0] = whole;
+    next_[0] = 0;
+    count_ = 1;
   }
-  return true;
-}
+
+  // False if there is none any more.
+  TANDEM_HD bool find_next(Polygon& part) {
+    while (count_ > 0) {
+      --count_;
+      part = pending_[count_];
+      int k = next_[count_];
+      while (k < hiders_ && !is_cut(part, k)) ++k;
+      if (k == hiders_) return true;
+    }
+    return false;
+  }
+  // False where too many parts were pending: some are missing.
+  TANDEM_HD bool complete() const { return complete_; }
+
+ private:
+  static constexpr int most = 20;
+
+  // Does shadow k cut the part? What it leaves is pending then.
+  TANDEM_HD bool is_cut(const Polygon& part, int k) {
+    const Shadow hides = shadow_(k);
+    if (!hides.meets(part)) return false;
+    // Each of the four cuts below adds one corner at most.
+    if (part.count > Polygon::most - 4) return halve(part, k);
+    // What is left of the part after the four cuts is hidden. A shadow that hides nothing within the radius
+    // cuts nothing.
+    int outsides = 0;
+    Polygon rest = part, inside, outside;
+    for (int side = 0; side < 4 && rest.count > 0; ++side) {
+      cut(rest, hides.origin[side], hides.inward[side], inside, outside);
+      if (matters(outside)) {
+        if (count_ + outsides == most) return give_up();
+        pending_[count_ + outsides] = outside;
+        next_[count_ + outsides++] = k + 1;
+      }
+      rest = inside;
+    }
+    if (!matters(rest)) return false;
+    count_ += outsides;
+    return true;
+  }
+  TANDEM_HD bool halve(const Polygon& part, int k) {
+    if (count_ + 2 > most) return give_up();
+    const int middle = part.count / 2;
+    Polygon &first = pending_[count_], &second = pending_[count_ + 1];
+    first.count = second.count = 0;
+    for (int n = 0; n <= middle; ++n) first.add(part.corner[n]);
+    for (int n = middle; n <= part.count; ++n) second.add(part.corner[n < part.count ? n : 0]);
+    next_[count_] = next_[count_ + 1] = k;
+    count_ += 2;
+    return true;
+  }
+  TANDEM_HD bool give_up() {
+    complete_ = false;
+    count_ = 0;
+    return true;
+  }
+  TANDEM_HD bool matters(const Polygon& p) const {
+    // Parts of less area are of rounding size [m2].
+    return p.count > 0 && twice_area(p) > 1e-14 * radius_ * radius_ && !is_beyond(p, x_, facing_, radius_);
+  }
+
+  Vec3d facing_, x_;
+  double radius_;
+  int hiders_;
+  const ShadowAt& shadow_;
+  Polygon pending_[most];
+  particles::UninitialisedArray<int, most> next_;  // the first shadow that the part has not been cut by
+  int count_ = 0;
+  bool complete_ = true;
+};
 
 }  // namespace tandem::sph

@@ -104,9 +104,26 @@ struct WallsView {
   }
   // The same for one facet.
   TANDEM_HD bool between(std::uint32_t number, Vec3d x, Vec3d y) const {
+    const float at_x = 0;
+    return between(&number, &number + 1, &at_x, 1, x, y);
+  }
+  // The same for the facets numbered by `number` to `end`, of which those of a body follow each other and
+  // those are between x and y at most that are not farther than `apart` from x.
+  TANDEM_HD bool between(const std::uint32_t* number, const std::uint32_t* end, const float* distance,
+                         float apart, Vec3d x, Vec3d y) const {
     put_in_order(x, y);
-    const particles::Facet& f = facet[number];
-    return crosses(f, into_body(f.body, x), into_body(f.body, y), margin);
+    Vec3d from, to;
+    for (std::uint32_t body = bodies; number != end; ++number, ++distance) {
+      if (*distance > apart) continue;
+      const particles::Facet& f = facet[*number];
+      if (f.body != body) {
+        body = f.body;
+        from = into_body(body, x);
+        to = into_body(body, y);
+      }
+      if (crosses(f, from, to, margin)) return true;
+    }
+    return false;
   }
   // Did a point that moved from `then` to `now` pass a facet, while the bodies moved from these poses to
   // theirs?

@@ -5,7 +5,7 @@
 
 #include "particles/state/particles.hpp"
 #include "sph_server/equations/pair_terms.hpp"
-#include "sph_server/kernel/facet_integrals.hpp"
+#include "sph_server/kernel/seen_integrals.hpp"
 #include "sph_server/neighbours/find.hpp"
 
 namespace tandem::sph {
@@ -14,6 +14,8 @@ namespace tandem::sph {
 template <class Real>
 struct LiquidArrays {
   std::uint32_t count = 0;
+  // By which others know the particles, whatever their order here (count).
+  std::uint32_t* number = nullptr;
   particles::PositionRadius<Real>* position = nullptr;  // (count)
   particles::VelocityKind<Real>* velocity = nullptr;    // (count)
   particles::FinePart<Real>* fine = nullptr;            // (count)
@@ -40,6 +42,9 @@ struct SeenFacet {
   bool complete = true;  // false: so many facets hide parts of it that some are missing
 };
 
+// What a particle sees of a facet.
+enum class Sight : std::uint8_t { nothing, whole, partial };
+
 // The walls near each particle. Those of particle i begin at facets.start[i].
 struct WallArrays {
   ListView<std::uint32_t> facets;           // with a point within the reach when the list was built
@@ -50,6 +55,8 @@ struct WallArrays {
   // The facets that a particle may see: the first near_count[i] from facets.start[i] on.
   std::uint32_t* near_count = nullptr;
   NearFacet* near = nullptr;
+  Hiders* hiders = nullptr;  // of each of these facets, where `sight` is partial
+  Sight* sight = nullptr;
   SeenFacet* seen = nullptr;
   Vec3d* by_pressure =
       nullptr;  // acceleration of each particle near walls by pressure, ghosts included [m/s2]

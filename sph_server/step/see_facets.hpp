@@ -88,9 +88,9 @@ struct RemoveBacks {
   }
 };
 
-// One facet as one particle sees it.
+// What hides parts of a facet from a particle.
 template <class Real>
-struct SeeFacets {
+struct FindHiders {
   LiquidArrays<Real> liquid;
   WallArrays arrays;
   particles::CentreUnit<Real> centres;
@@ -99,11 +99,41 @@ struct SeeFacets {
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
                         count = arrays.near_count[i], k = entry - begin;
+    arrays.sight[entry] = Sight::nothing;
     if (k >= count) return;
     const FacetsOfParticle near{arrays.near + begin, static_cast<int>(count)};
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    const Hiders hiders = hiders_of(x, near, static_cast<int>(k), kernel);
+    arrays.hiders[entry] = hiders;
+    arrays.sight[entry] = hiders == 0 ? Sight::whole : Sight::partial;
+  }
+};
+
+struct HasSight {
+  const Sight* sight = nullptr;
+  Sight wanted = Sight::nothing;
+  TANDEM_HD bool operator()(std::uint32_t entry) const { return sight[entry] == wanted; }
+};
+
+// One facet as one particle sees it: all of it, or what others leave of it. The latter takes far longer.
+template <class Real, Sight sight>
+struct SeeFacets {
+  LiquidArrays<Real> liquid;
+  WallArrays arrays;
+  particles::CentreUnit<Real> centres;
+  WallKernel kernel;
+
+  TANDEM_HD void operator()(std::uint32_t entry) const {
+    const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i];
+    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
     bool complete = true;
-    arrays.seen[entry].integrals = seen_integrals(x, near, static_cast<int>(k), kernel, complete);
+    if constexpr (sight == Sight::whole) {
+      arrays.seen[entry].integrals = whole_integrals(x, arrays.near[entry], kernel);
+    } else {
+      const FacetsOfParticle near{arrays.near + begin, static_cast<int>(arrays.near_count[i])};
+      arrays.seen[entry].integrals =
+          partial_integrals(x, near, static_cast<int>(entry - begin), arrays.hiders[entry], kernel, complete);
+    }
     arrays.seen[entry].complete = complete;
   }
 };

@@ -153,6 +153,18 @@ class DeviceExec : public CudaTraits {
     return std::max(1u, (threads + per_block - 1) / per_block);
   }
 
+  // Calls a CUB algorithm with scratch memory of the size that it requests.
+  template <class Algorithm>
+  void with_scratch(Algorithm algorithm) {
+    std::size_t bytes = 0;
+    check_cuda(algorithm(nullptr, bytes), "asking for scratch memory");
+    if (scratch_.size() < bytes) {
+      scratch_.resize(bytes);
+      moved_scratch();
+    }
+    if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "adding up");
+  }
+
   // Scratch memory is elsewhere now: captured work refers to the old one.
   virtual void moved_scratch() {}
 
@@ -167,18 +179,6 @@ class DeviceExec : public CudaTraits {
   void begin_download(const void* from, void* to, std::size_t bytes);
   void finish_downloads();
   void copy_marked(const void* from, void* to, std::size_t bytes);
-
-  // Calls a CUB algorithm with scratch memory of the size that it requests.
-  template <class Algorithm>
-  void with_scratch(Algorithm algorithm) {
-    std::size_t bytes = 0;
-    check_cuda(algorithm(nullptr, bytes), "asking for scratch memory");
-    if (scratch_.size() < bytes) {
-      scratch_.resize(bytes);
-      moved_scratch();
-    }
-    if (!sizing_) check_cuda(algorithm(scratch_.data(), bytes), "adding up");
-  }
 
   // Of mark() and download_marked().
   cudaStream_t aside_ = nullptr;

@@ -42,9 +42,7 @@ class CpuExec : public particles::HostExec {
       const particles::Range range = share(n, thread);
       for (std::uint32_t i = range.begin; i < range.end; ++i) {
         const std::size_t before = found[thread].size();
-        find(i, particles::OneThread{}, [&](Entry entry, bool exists) {
-          if (exists) found[thread].push_back(entry);
-        });
+        find(i, [&](Entry entry) { found[thread].push_back(entry); });
         count[i] = static_cast<std::uint32_t>(found[thread].size() - before);
       }
     });
@@ -57,6 +55,14 @@ class CpuExec : public particles::HostExec {
     grow(list.entry, total);
     Entry* to = list.entry.data();
     for (const auto& part : found) to = std::copy(part.begin(), part.end(), to);
+  }
+
+  // f(i) for those numbers below n of which where(i) holds.
+  template <class Where, class F>
+  void for_each_where(std::uint32_t n, Where where, F f) {
+    for_each(n, [=](std::uint32_t i) {
+      if (where(i)) f(i);
+    });
   }
 
   // Two works of which neither needs what the other one does.

@@ -1,8 +1,9 @@
 // Steps of a liquid that sloshes in a box of walls:
-//   bench_liquid BACKEND EDGE STEPS [mixed|double] [box|block|round|shaft]
+//   bench_liquid BACKEND EDGE STEPS [mixed|double] [box|block|round|shaft|sheet|drum] [scattered]
 // EDGE: spacings along each edge of the cube of liquid. In a box; with a block in it; in a round tank as
-// wide; in one with a shaft. It prints wall time per step, particle-steps per second and new lists, without
-// those of the first tenth of the steps.
+// wide; in one with a shaft; in a box with a drum with holes, a sheet or half a spacing thick. scattered: the
+// particles are in random order, as in a liquid that has been stirred for long. It prints wall time per step,
+// particle-steps per second and new lists, without those of the first tenth of the steps.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -10,6 +11,8 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <numbers>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,6 +21,7 @@
 #include "sph_server/equations/state.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/io/wall_meshes.hpp"
+#include "tests/benchmark/sph/drum_mesh.hpp"
 
 namespace {
 
@@ -62,10 +66,24 @@ Vessel vessel(const std::string& name, double spacing) {
           const bool beside = from_axis(x) > shaft + off || x.z < 0.1 * size - off;
           return from_axis(x) < size / 2 - off && beside;
         }};
-  throw std::invalid_argument("no vessel '" + name + "': box, block, round or shaft");
+  if (name == "sheet" || name == "drum") {
+    const double radius = 0.35 * size, hole = 2 * spacing, pitch = 3 * hole,
+                 thickness = name == "drum" ? 0.5 * spacing : 0;
+    const int around = static_cast<int>(2 * std::numbers::pi * radius / pitch),
+              along = static_cast<int>(0.7 * size / pitch);
+    const double low = 0.12 * size, high = low + along * 2 * std::numbers::pi * radius / around;
+    return {{at_middle(box_mesh({size, size, 2 * size}, {"+z"}), size),
+             at_middle(benchmark::drum(radius, around, along, hole, thickness), low)},
+            [=](Vec3d x, double off) {
+              const double r = from_axis(x);
+              return r < radius - off || r > radius + thickness + off || x.z < low - off || x.z > high + off;
+            }};
+  }
+  throw std::invalid_argument("no vessel '" + name + "': box, block, round, shaft, sheet or drum");
 }
 
-void run(const std::string& backend, int edge, int steps, bool single, const std::string& name) {
+void run(const std::string& backend, int edge, int steps, bool single, const std::string& name,
+         bool scattered) {
   constexpr double g = 9.81;
   sph::LiquidSetup setup;
   sph::Liquid& l = setup.liquid;
@@ -92,6 +110,13 @@ void run(const std::string& backend, int edge, int steps, bool single, const std
                                  Vec3d{std::sin(wave * x.x), 0, -std::cos(wave * x.x)});
         start.compression.push_back(sph::compression_at(g * (size - x.z) / (l.sound_speed * l.sound_speed)));
       }
+  std::mt19937 bits(1);
+  for (std::size_t i = start.size(); scattered && --i > 0;) {
+    const std::size_t k = bits() % (i + 1);
+    std::swap(start.position[i], start.position[k]);
+    std::swap(start.velocity[i], start.velocity[k]);
+    std::swap(start.compression[i], start.compression[k]);
+  }
   const auto engine = sph::make_liquid_engine(setup, single);
   engine->set_state(start);
   const double dt = 0.9 * sph::step_limits(l, 2, 4 * g).smallest;
@@ -121,12 +146,12 @@ void run(const std::string& backend, int edge, int steps, bool single, const std
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fprintf(stderr, "usage: bench_liquid BACKEND EDGE STEPS [mixed|double] [box|block|round|shaft]\n");
+    std::fprintf(stderr, "usage: bench_liquid BACKEND EDGE STEPS [mixed|double] [VESSEL] [scattered]\n");
     return 2;
   }
   try {
     run(argv[1], std::atoi(argv[2]), std::atoi(argv[3]), argc < 5 || std::string(argv[4]) != "double",
-        argc < 6 ? "box" : argv[5]);
+        argc < 6 ? "box" : argv[5], argc > 6 && std::string(argv[6]) == "scattered");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -222,11 +222,11 @@ TEST(VisiblePart, OfAFloorEndsAtASheet) {
                              Shadow::of(x, a + behind, b + behind, c + behind, normal, 1e-9)};
   const auto seen_past = [&](int hiders) {
     FacetIntegrals sum;
-    EXPECT_TRUE(for_visible_parts(
-        floor, {0, 0, 1}, x, kernel.R, hiders, [&](int k) { return shadows[k]; },
-        [&](const Polygon& p) {
-          sum += facet_integrals(x, p.corner.data(), p.count, {0, 0, 1}, kernel);
-        }));
+    const auto shadow = [&](int k) { return shadows[k]; };
+    VisibleParts parts(floor, {0, 0, 1}, x, kernel.R, hiders, shadow);
+    for (Polygon p; parts.find_next(p);)
+      sum += facet_integrals(x, p.corner.data(), p.count, {0, 0, 1}, kernel);
+    EXPECT_TRUE(parts.complete());
     return sum;
   };
   const FacetIntegrals seen = seen_past(2);

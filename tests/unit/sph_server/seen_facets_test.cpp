@@ -60,16 +60,14 @@ Sums cut_by_all(Vec3d x, const NearWalls& near) {
     whole.corner[0] = f.a;
     whole.corner[1] = f.b;
     whole.corner[2] = f.c;
-    const bool complete = for_visible_parts(
-        whole, f.normal, x, R, near.count,
-        [&](int n) {
-          const NearFacet& g = near.facet[static_cast<std::size_t>(n)];
-          return n == k ? Shadow{} : Shadow::of(x, g.a, g.b, g.c, g.normal, 1e-6 * R);
-        },
-        [&](const Polygon& p) {
-          sums.add(facet_integrals(x, p.corner.data(), p.count, f.normal, f.height, kernel), f);
-        });
-    EXPECT_TRUE(complete);
+    const auto shadow = [&](int n) {
+      const NearFacet& g = near.facet[static_cast<std::size_t>(n)];
+      return n == k ? Shadow{} : Shadow::of(x, g.a, g.b, g.c, g.normal, 1e-6 * R);
+    };
+    VisibleParts parts(whole, f.normal, x, R, near.count, shadow);
+    for (Polygon p; parts.find_next(p);)
+      sums.add(facet_integrals(x, p.corner.data(), p.count, f.normal, f.height, kernel), f);
+    EXPECT_TRUE(parts.complete());
   }
   return sums;
 }

@@ -8,6 +8,7 @@
 #include "sph_server/backend/cpu/exec_cpu.hpp"
 #include "sph_server/kernel/seen_integrals.hpp"
 #include "sph_server/neighbours/walls.hpp"
+#include "sph_server/step/see_facets.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace tandem::test {
@@ -83,6 +84,16 @@ TEST(NeighbourList, EndsAtASheet) {
                        in_cell);
   List<CpuExec, std::uint32_t> facets;
   exec.build_list(n, FindFacets{walls.view(), x.data(), 0.5}, facets);
+  const float apart = MeasureFacets::at_least(0.5, walls.margin());
+  std::vector<std::uint32_t> particle(facets.total);
+  std::vector<float> distance(facets.total), clearance(n);
+  exec.for_each(n, NameParticles{facets.view(), particle.data()});
+  exec.for_each(facets.total,
+                MeasureFacets{walls.view(), facets.view(), particle.data(), x.data(), 0.5, distance.data()});
+  exec.for_each(n, FindClearance{facets.view(), distance.data(), apart, clearance.data()});
+  EXPECT_NEAR(clearance[0], 0.1, 2e-5);
+  EXPECT_NEAR(clearance[3], std::hypot(0.05, 0.1), 2e-5) << "from the edges of the hole";
+  EXPECT_LT(clearance[3], std::hypot(0.05, 0.1));
   List<CpuExec, Neighbour> list;
   exec.build_list(n,
                   FindNeighbours{grid,
@@ -94,7 +105,9 @@ TEST(NeighbourList, EndsAtASheet) {
                                  x.data(),
                                  0.5,
                                  walls.view(),
-                                 facets.view()},
+                                 facets.view(),
+                                 distance.data(),
+                                 clearance.data()},
                   list);
   EXPECT_EQ(std::vector<std::uint32_t>(list.start.data(), list.start.data() + n + 1),
             (std::vector<std::uint32_t>{0, 0, 1, 2, 3, 4}));
