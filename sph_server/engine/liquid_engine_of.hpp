@@ -640,7 +640,8 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(beside_walls_, number_);
     exec_.for_each(facets_.total, place_);
     if (walls_.any_closed()) exec_.for_each(beside_walls_, backs_);
-    exec_.for_each(facets_.total, hiders_);
+    exec_.zero(sight_, facets_.total);
+    exec_.for_each_where(facets_.total, IsNear{arrays_}, hiders_);
     exec_.for_each_where(facets_.total, HasSight{sight_.data(), Sight::whole}, see_whole_);
     exec_.for_each_where(facets_.total, HasSight{sight_.data(), Sight::partial}, see_partial_);
   }

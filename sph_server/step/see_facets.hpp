@@ -88,6 +88,15 @@ struct RemoveBacks {
   }
 };
 
+// Does an entry have a facet that its particle may see? They are in the first places.
+struct IsNear {
+  WallArrays arrays;
+  TANDEM_HD bool operator()(std::uint32_t entry) const {
+    const std::uint32_t i = arrays.particle[entry];
+    return entry - arrays.facets.start[i] < arrays.near_count[i];
+  }
+};
+
 // What hides parts of a facet from a particle.
 template <class Real>
 struct FindHiders {
@@ -98,12 +107,10 @@ struct FindHiders {
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
-                        count = arrays.near_count[i], k = entry - begin;
-    arrays.sight[entry] = Sight::nothing;
-    if (k >= count) return;
+                        count = arrays.near_count[i];
     const FacetsOfParticle near{arrays.near + begin, static_cast<int>(count)};
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    const Hiders hiders = hiders_of(x, near, static_cast<int>(k), kernel);
+    const Hiders hiders = hiders_of(x, near, static_cast<int>(entry - begin), kernel);
     arrays.hiders[entry] = hiders;
     arrays.sight[entry] = hiders == 0 ? Sight::whole : Sight::partial;
   }

@@ -42,7 +42,9 @@ class CpuExec : public particles::HostExec {
       const particles::Range range = share(n, thread);
       for (std::uint32_t i = range.begin; i < range.end; ++i) {
         const std::size_t before = found[thread].size();
-        find(i, [&](Entry entry) { found[thread].push_back(entry); });
+        find(i, particles::OneThread{}, [&](Entry entry, bool exists) {
+          if (exists) found[thread].push_back(entry);
+        });
         count[i] = static_cast<std::uint32_t>(found[thread].size() - before);
       }
     });

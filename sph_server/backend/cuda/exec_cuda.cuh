@@ -25,13 +25,13 @@
 namespace tandem::sph {
 
 // Counts the entries of each particle.
-template <class Find>
+template <class Entry, class Find>
 struct CountEntries {
   Find find;
   std::uint32_t* count;
-  __device__ void operator()(std::uint32_t i) const {
+  __device__ void operator()(std::uint32_t i, particles::OneThread group) const {
     std::uint32_t sum = 0;
-    find(i, [&](auto) { ++sum; });
+    find(i, group, [&](Entry, bool exists) { sum += exists ? 1 : 0; });
     count[i] = sum;
   }
 };
@@ -40,93 +40,69 @@ struct WriteEntries {
   Find find;
   const std::uint32_t* start;
   Entry* entry;
-  __device__ void operator()(std::uint32_t i) const {
+  __device__ void operator()(std::uint32_t i, particles::OneThread group) const {
     std::uint32_t at = start[i];
-    find(i, [&](Entry e) { entry[at++] = e; });
-  }
-};
-
-inline constexpr unsigned list_warps = 4;             // of a block
-inline constexpr std::uint32_t most_in_shared = 256;  // entries of a particle; few have more
-
-struct BeginsMates {
-  FindNeighbours find;
-  __device__ bool operator()(std::uint32_t number) const { return find.begins_mates(number); }
-};
-
-// What the lists of all particles need.
-struct ListNeeds {
-  unsigned long long entries = 0;
-  std::uint32_t longest = 0;  // list
-};
-// Finds the neighbours of some particles of a cell, by a warp, and takes room for those of a block from
-// `needs`. Where there is not enough room, it counts all the same. Lists longer than most_in_shared are left
-// to write_long_lists_kernel.
-__global__ void __launch_bounds__(list_warps* particles::WarpGroup::size, 8)
-    list_kernel(const std::uint32_t* first_mate, const std::uint32_t* warps,
-                const __grid_constant__ FindNeighbours find, std::uint32_t* start, std::uint32_t* end,
-                Neighbour* entry, std::uint32_t room, ListNeeds* needs) {
-  constexpr std::uint32_t most_mates = CellMates::most;
-  __shared__ alignas(
-      Neighbour) unsigned char space[list_warps * most_mates * most_in_shared * sizeof(Neighbour)];
-  __shared__ std::uint32_t counts[list_warps], begin;
-  __shared__ bool fits;
-  const unsigned warp = threadIdx.x / particles::WarpGroup::size,
-                 lane = threadIdx.x % particles::WarpGroup::size;
-  const std::uint32_t number = blockIdx.x * list_warps + warp;
-  if (blockIdx.x * list_warps >= *warps) return;
-  Neighbour* const found = reinterpret_cast<Neighbour*>(space) + warp * most_mates * most_in_shared;
-  std::uint32_t count[most_mates]{}, of_warp = 0;
-  if (number < *warps) {
-    const particles::WarpGroup group;
-    find.of_mates(find.mates_from(first_mate[number]), group, [&](std::uint32_t k, Neighbour e, bool exists) {
-      const std::uint32_t mine = count[k] + group.before(exists);
-      if (exists && mine < most_in_shared) found[k * most_in_shared + mine] = e;
-      count[k] += group.count(exists);
+    find(i, group, [&](Entry e, bool exists) {
+      if (exists) entry[at++] = e;
     });
   }
-#pragma unroll
-  for (std::uint32_t k = 0; k < most_mates; ++k) {
-    of_warp += count[k];
-    if (lane == 0 && count[k] > most_in_shared) atomicMax(&needs->longest, count[k]);
-  }
-  if (lane == 0) counts[warp] = of_warp;
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    std::uint32_t of_block = 0;
-    for (const std::uint32_t c : counts) of_block += c;
-    const unsigned long long before = atomicAdd(&needs->entries, static_cast<unsigned long long>(of_block));
-    fits = before + of_block <= room;
-    begin = static_cast<std::uint32_t>(before);
-  }
-  __syncthreads();
-  if (!fits || number >= *warps) return;
-  std::uint32_t at = begin;
-  for (unsigned w = 0; w < warp; ++w) at += counts[w];
-  const std::uint32_t first = first_mate[number], mates = find.mates_at(first);
-#pragma unroll
-  for (std::uint32_t k = 0; k < most_mates; ++k) {
-    if (lane == 0 && k < mates) {
-      const std::uint32_t i = find.cell_particle[first + k];
-      start[i] = at;
-      end[i] = at + count[k];
+};
+
+inline constexpr unsigned list_warps = 8;             // of a block
+inline constexpr std::uint32_t most_in_shared = 320;  // entries of a warp; few particles have more
+// Finds the entries of each particle once, by a warp, and takes room for those of a block from `total`. Where
+// there is not enough room, it counts all the same.
+template <class Entry, class Find>
+__global__ void __launch_bounds__(list_warps* particles::WarpGroup::size, 4)
+    list_kernel(std::uint32_t n, Find find, std::uint32_t* start, std::uint32_t* end, Entry* entry,
+                std::uint32_t room, unsigned long long* total) {
+  static_assert(std::is_trivially_copyable_v<Entry>);
+  __shared__ alignas(Entry) unsigned char space[list_warps * most_in_shared * sizeof(Entry)];
+  __shared__ std::uint32_t counts[list_warps], begin;
+  __shared__ bool fits;
+  const particles::WarpGroup group;
+  const unsigned warp = threadIdx.x / particles::WarpGroup::size,
+                 lane = threadIdx.x % particles::WarpGroup::size;
+  const std::uint32_t i = blockIdx.x * list_warps + warp;
+  Entry* const found = reinterpret_cast<Entry*>(space) + warp * most_in_shared;
+  Entry* to = found;
+  std::uint32_t most = most_in_shared;
+  // Once more for particles with too many entries. The search is a loop's body, so that it is compiled once.
+#pragma unroll 1
+  for (bool again = false;; again = true) {
+    std::uint32_t count = 0;
+    if (i < n)
+      find(i, group, [&](Entry e, bool exists) {
+        const std::uint32_t mine = count + group.before(exists);
+        if (exists && mine < most) to[mine] = e;
+        count += group.count(exists);
+      });
+    if (again) return;
+    if (lane == 0) counts[warp] = count;
+    __syncthreads();
+    if (threadIdx.x == 0) {
+      std::uint32_t of_block = 0;
+      for (const std::uint32_t c : counts) of_block += c;
+      const unsigned long long before = atomicAdd(total, static_cast<unsigned long long>(of_block));
+      fits = before + of_block <= room;
+      begin = static_cast<std::uint32_t>(before);
     }
-    if (count[k] <= most_in_shared)
-      for (std::uint32_t n = lane; n < count[k]; n += particles::WarpGroup::size)
-        entry[at + n] = found[k * most_in_shared + n];
-    at += count[k];
+    __syncthreads();
+    if (i >= n || !fits) return;
+    std::uint32_t at = begin;
+    for (unsigned w = 0; w < warp; ++w) at += counts[w];
+    if (lane == 0) {
+      start[i] = at;
+      end[i] = at + count;
+    }
+    if (count <= most_in_shared) {
+      for (std::uint32_t k = lane; k < count; k += particles::WarpGroup::size) entry[at + k] = found[k];
+      return;
+    }
+    to = entry + at;
+    most = count;
   }
 }
-struct WriteLongLists {
-  FindNeighbours find;
-  const std::uint32_t *start, *end;
-  Neighbour* entry;
-  __device__ void operator()(std::uint32_t i) const {
-    if (end[i] - start[i] <= most_in_shared) return;
-    std::uint32_t at = start[i];
-    find(i, [&](Neighbour e) { entry[at++] = e; });
-  }
-};
 
 // chosen: numbers for which where(i) holds, or null.
 template <class Where, class F>
@@ -343,18 +319,17 @@ class CudaExec : public particles::DeviceExec {
   template <class Entry, class Find>
   void build_list(std::uint32_t n, Find find, List<CudaExec, Entry>& list) {
     grow(list.start, std::size_t{n} + 1);
-    zero(list.start, std::size_t{n} + 1);
-    for_each(n, CountEntries<Find>{find, list.start.data()});
-    list.total = checked_total(reduce<EntryTotal>(n, AddCount{list.start.data()}).entries);
-    exclusive_sum(list.start, n + 1);
-    if (list.entry.size() < list.total) list.entry.resize(list.total + list.total / 8);
-    for_each(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
-  }
-  void build_list(std::uint32_t n, const FindNeighbours& find, List<CudaExec, Neighbour>& list) {
-    grow(list.start, std::size_t{n} + 1);
-    grow(list.end, std::max(n, 1u));
-    if (n > 0) choose(n, BeginsMates{find});
-    while (!list_in_room(n, find, list)) list.entry.resize(list.total + list.total / 8);
+    if constexpr (Find::by_warps) {
+      grow(list.end, std::max(n, 1u));
+      while (!list_in_room(n, find, list)) list.entry.resize(list.total + list.total / 8);
+    } else {
+      zero(list.start, std::size_t{n} + 1);
+      fill(n, CountEntries<Entry, Find>{find, list.start.data()});
+      list.total = checked_total(reduce<EntryTotal>(n, AddCount{list.start.data()}).entries);
+      exclusive_sum(list.start, n + 1);
+      if (list.entry.size() < list.total) list.entry.resize(list.total + list.total / 8);
+      fill(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
+    }
   }
 
   template <class Sum>
@@ -414,24 +389,28 @@ class CudaExec : public particles::DeviceExec {
     });
   }
   // False if there is too little room for the entries; it then knows how many there are.
-  bool list_in_room(std::uint32_t n, const FindNeighbours& find, List<CudaExec, Neighbour>& list) {
-    grow(list_needs_, 1);
-    zero(list_needs_, 1);
+  template <class Entry, class Find>
+  bool list_in_room(std::uint32_t n, Find find, List<CudaExec, Entry>& list) {
+    if (list_total_.size() == 0) list_total_.resize(1);
+    zero(list_total_, 1);
     const auto room = static_cast<std::uint32_t>(
         std::min<std::size_t>(list.entry.size(), std::numeric_limits<std::uint32_t>::max()));
     if (n > 0) {
       list_kernel<<<(n + list_warps - 1) / list_warps, list_warps * particles::WarpGroup::size, 0, stream_>>>(
-          chosen_.data(), chosen_count_.data(), find, list.start.data(), list.end.data(), list.entry.data(),
-          room, list_needs_.data());
+          n, find, list.start.data(), list.end.data(), list.entry.data(), room, list_total_.data());
       particles::check_cuda(cudaGetLastError(), "starting a kernel");
     }
-    ListNeeds needs;
-    download(list_needs_, std::span(&needs, 1));
-    list.total = checked_total(needs.entries);
-    if (list.total > room) return false;
-    if (needs.longest > 0)
-      for_each(n, WriteLongLists{find, list.start.data(), list.end.data(), list.entry.data()});
-    return true;
+    unsigned long long total = 0;
+    download(list_total_, std::span(&total, 1));
+    list.total = checked_total(total);
+    return list.total <= room;
+  }
+  template <class F>
+  void fill(std::uint32_t n, F f) {
+    if (n == 0) return;
+    const unsigned threads = block(particles::block_threads);
+    particles::for_each_alone_kernel<<<blocks(n, threads), threads, 0, stream_>>>(n, f);
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
   }
   static unsigned reduce_blocks(std::uint32_t n) {
     return std::min(most_reduce_blocks, blocks(n, reduce_threads));
@@ -459,7 +438,7 @@ class CudaExec : public particles::DeviceExec {
   Buffer<std::uint32_t> chosen_, chosen_count_;  // see choose()
   Buffer<std::byte> tallies_;                    // of the blocks of a kernel
   Buffer<std::int64_t> of_body_;
-  Buffer<ListNeeds> list_needs_;
+  Buffer<unsigned long long> list_total_;
 };
 
 }  // namespace tandem::sph
