@@ -6,6 +6,7 @@ from tandem.entries import SceneError
 from tandem.scenes import Scene
 
 LONGEST_STEP = 0.4  # of the critical time; longer micro steps are refused
+LONGEST_TRIED = 0.39  # the limit is that of the smallest radius that the scene allows, which may be below the smallest one that is there
 # Keys that are divided by the divisor of the modulus, and by its root: the damping of the law `paper` then dissipates as before.
 STIFFNESSES = ("young", "spring_stiffness", "normal_stiffness", "tangential_stiffness")
 DAMPINGS = ("normal_damping", "tangential_damping")
@@ -86,9 +87,9 @@ def moduli(largest: float = 1024) -> List[float]:
 
 def shares(own: float) -> List[float]:
     """Micro steps as shares of the critical time, from that of the scene to the longest, by factors of the root of two."""
-    count = int(2 * math.log2(LONGEST_STEP / own) + 1e-9) if own < LONGEST_STEP else 0
+    count = int(2 * math.log2(LONGEST_TRIED / own) + 1e-9) if own < LONGEST_TRIED else 0
     found = [own * 2**(i / 2) for i in range(count + 1)]
-    return found + ([LONGEST_STEP] if found[-1] < 0.8 * LONGEST_STEP else [])
+    return found + ([LONGEST_TRIED] if found[-1] < 0.8 * LONGEST_TRIED else [])
 
 
 def windows(scene: Scene, window: float) -> List[float]:

@@ -205,7 +205,7 @@ class Softening(Case):
 
     def test_a_faster_scene_within_the_error(self):
         stiff = self.hopper()
-        words = ["--error", "25%", "--of", "mouth.passed", "--starts", "2", "--modulus", "4,16,64", "--step", "0.28,0.4", "--window", "0.004", "--threads", "1",
+        words = ["--error", "25%", "--of", "mouth.passed", "--starts", "2", "--modulus", "4,16,64", "--step", "0.28,0.39", "--window", "0.004", "--threads", "1",
                  "--out", "soft", "-o", "softer.json"]
         said = self.soften(*words)
         self.assertEqual(said.returncode, 0, said.stdout + said.stderr)

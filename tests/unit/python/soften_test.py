@@ -61,7 +61,7 @@ class Changes(unittest.TestCase):
         self.assertEqual(len(random_fills(s)), 1)
 
     def test_levels(self):
-        np.testing.assert_allclose(shares(.2), [.2, .2 * math.sqrt(2), .4])
+        np.testing.assert_allclose(shares(.2), [.2, .2 * math.sqrt(2), .39])
         np.testing.assert_allclose(shares(.048)[-1], .384, rtol=1e-9)
         self.assertEqual(shares(.4), [.4])
         s = bed()
