@@ -4,55 +4,18 @@ import json
 import math
 import os
 import pathlib
-import statistics
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Union
+from typing import Dict, List, Optional, Sequence, Union
 
 from tandem import soften_scene as changes
 from tandem.entries import SceneError
 from tandem.scenes import Scene
+from tandem.soften_candidates import Candidate, Setting
 from tandem.soften_errors import Measure, error_of_text
 from tandem.soften_search import MODULUS, STEP, WINDOW, Outcome, Point, Search
 from tandem.soften_words import percent, reading, shortened, table
 from tandem.sweeps import Row, sweep
 
 AXES = {MODULUS: "modulus", STEP: "micro step", WINDOW: "window"}
-
-
-class Setting(NamedTuple):
-    """What is changed: divisor of the moduli, micro step over the critical time, window [s]."""
-    divisor: float
-    share: float
-    window: float
-
-    def __str__(self) -> str:
-        return f"modulus / {self.divisor:g}, micro step {self.share:.3g} of the critical time, window {1e3 * self.window:g} ms"
-
-
-class Candidate:
-    """A setting that was run: `errors` of each result, relative, rms over the random starts; `wall_s`, their median, with `times`; `parts` of that
-    time; `overlap`; `status` and `reason` of its runs."""
-
-    def __init__(self, setting: Setting, rows: List[Row]):
-        self.setting, self.rows = setting, rows
-        self.errors: Dict[str, float] = {}
-        self.first_errors: Dict[str, float] = {}  # of the first start
-        self.fault = ""
-        done = [row for row in rows if row.status in ("ok", "suspect")]
-        summaries = [row.results.summary for row in done]
-        self.times = [summary["wall_s"] for summary in summaries]
-        self.wall_s = statistics.median(self.times) if self.times else math.nan
-        self.parts = {part: statistics.median([s["time_split"].get(part, 0.0) for s in summaries]) for part in ("dem", "mbd", "exchange", "output")
-                      } if summaries else {}
-        self.overlap = max((summary.get("max_overlap_ratio", 0.0) for summary in summaries), default=math.nan)
-        self.steps = summaries[0]["micro_steps"] if summaries else 0
-        self.windows = summaries[0]["windows"] if summaries else 0
-        self.share = summaries[0]["micro_step_s"] / summaries[0]["critical_time_s"] if summaries else setting.share
-        self.step_s = summaries[0]["micro_step_s"] if summaries else math.nan
-        self.rules = {line.get("rule"): line.get("sentence", "") for s in summaries for line in (s.get("verdict") or {}).get("lines", [])}
-        bad = next((row for row in rows if row.status not in ("ok", "suspect")), None)
-        self.status = bad.status if bad else "suspect" if any(row.status == "suspect" for row in rows) else "ok"
-        if bad:
-            self.fault = f"{bad.status}: {bad.reason}"
 
 
 class Softening:
@@ -190,6 +153,9 @@ class _Work:
         results = row.results
         for measure in self.found.measures:
             measure.expect_in(results)
+        if not {"micro_step_s", "critical_time_s"} <= set(results.summary):
+            raise SceneError("the particle solver does not report its micro step and the critical time", self.scene.name,
+                             "soften the scene with dem_server, and run the result with the other solver")
         self.step, self.critical = results.summary["micro_step_s"], results.summary["critical_time_s"]
         self.share = self.step / self.critical
         self.taken = changes.moduli_of_library(results.summary.get("parameters", {}))
@@ -211,7 +177,7 @@ class _Work:
         rows = self._swept(lambda start: changes.softened(self.scene, self.taken, 1, 0, self.scene.window, start), start=list(range(1, self.starts + 1)))
         found.stiff = Candidate(Setting(1, self.share, self.scene.window), rows)
         if found.stiff.fault:
-            raise SceneError(f"the scene as it is does not run: {found.stiff.fault}", self.scene.name)
+            raise SceneError(f"the scene as it is does not come to a good end: {found.stiff.fault}", self.scene.name)
         results = [row.results for row in rows]
         self.critical = min(r.summary["critical_time_s"] for r in results)  # radii, too, depend on the start
         pairs = [(a, b) for i, a in enumerate(results) for b in results[:i]]
