@@ -6,6 +6,7 @@ from tandem.axis_ticks import log_ticks, written
 from tandem.plots import GREY, HUES, INK, figure
 
 RED, STAR = "#b03a3a", "#d9822b"
+MARKERS = "os"  # of moduli with the same colour
 
 
 def draw(found, file: Optional[str] = None):
@@ -47,7 +48,7 @@ def _panel(axis, found, name: str, colour) -> None:
                   textcoords="offset points", ha="right", va="bottom", fontsize=8, color=GREY)
     for divisor, shade in colour.items():
         mine = [each for each in shown if each.setting.divisor == divisor]
-        for faulty, marker in ((False, "o"), (True, "x")):
+        for faulty, marker in ((False, MARKERS[list(colour).index(divisor) // len(HUES) % len(MARKERS)]), (True, "x")):
             points = [(each.wall_s, 100 * each.errors[name]) for each in mine if bool(each.fault) == faulty]
             if points:
                 axis.plot(*zip(*points), linestyle="none", marker=marker, markersize=5, color=RED if faulty else shade,
@@ -60,7 +61,8 @@ def _panel(axis, found, name: str, colour) -> None:
         if y > 0:
             axis.plot(x, y, linestyle="none", marker="*", markersize=15, color=STAR, markeredgecolor="white", zorder=5)
             axis.annotate(f"step {found.chosen.share:.2g}, {1e3 * found.chosen.setting.window:g} ms", (x, y), xytext=(8, -11),
-                          textcoords="offset points", fontsize=8, color=INK)
+                          textcoords="offset points", fontsize=8, color=INK, zorder=6,
+                          bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8})
     if any(each.fault for each in shown):
         axis.plot([], [], linestyle="none", marker="x", markersize=5, color=RED, label="fault")
     axis.set_title(name)
