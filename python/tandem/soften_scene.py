@@ -15,9 +15,9 @@ DAMPINGS = ("normal_damping", "tangential_damping")
 def expect_grains(scene: Scene) -> None:
     """Refuses a scene whose grains cannot be softened."""
     if "dem" not in scene.data or not scene.data["dem"].get("particles"):
-        raise SceneError("the scene has no grains to soften", f"{scene.name}: dem.particles", "study.md finds the micro step of a machine, and "
-                         "the speed of sound of a liquid has the place of the modulus" if "sph" in scene.data else "a machine without grains has "
-                         "no contact stiffness that limits its step: tandem study compares its steps")
+        hint = ("in a liquid the speed of sound limits the step: sph.sound_speed" if "sph" in scene.data else
+                "without grains no contact limits the step: tandem study compares steps of a machine")
+        raise SceneError("the scene has no grains to soften", f"{scene.name}: dem.particles", hint)
 
 
 def softened(scene: Scene, taken: Dict[str, float], divisor: float, step: float, window: float, start: int = 1,
