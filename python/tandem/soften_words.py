@@ -37,7 +37,7 @@ def reading(found) -> str:
             ", ".join(f"{percent(found.scatter[name])} of {name}" for name in loud) + ", so that a smaller error means nothing",
             f"write --error {_rounded_up(worst)}, or name a result that scatters less: a mean or an integral over a longer time"])
     if found.chosen is None:
-        lines.append("nothing is written: no softer setting is faster within the wanted error")
+        lines += ["nothing is written: no softer setting is faster within the wanted error", ""]
     else:
         lines += _found(found)
     return "\n".join(lines + ["what limits"] + [f"  {line}" for line in found.limits])

@@ -57,7 +57,7 @@ class Softening:
                 errors = self.scatter if each is self.stiff else each.errors
                 kind = "stiff" if each is self.stiff else "chosen" if each is self.chosen else "tried"
                 rows.writerow([kind, each.setting.divisor, f"{each.share:.4g}", f"{each.step_s:.6g}", each.setting.window, len(each.rows), each.status] +
-                              [f"{errors[n]:.4g}" if n in errors else "" for n in names] +
+                              [f"{errors[n]:.4g}" if math.isfinite(errors.get(n, math.nan)) else "" for n in names] +
                               [f"{t:.4g}" for t in (each.wall_s, min(each.times, default=math.nan), max(each.times, default=math.nan))] +
                               [f"{each.parts.get(p, math.nan):.4g}" for p in ("dem", "mbd", "exchange", "output")] +
                               [each.steps, each.windows, f"{each.overlap:.3g}", each.fault])
@@ -173,7 +173,7 @@ class _Work:
     def _run_stiff(self) -> None:
         found = self.found
         self._say(f"{self.scene.name}: micro step {self.share:.3g} of the critical time, window {1e3 * self.scene.window:g} ms; "
-                  f"{self.starts} runs as it is")
+                  f"{self.starts} run{'s' if self.starts > 1 else ''} as it is")
         rows = self._swept(lambda start: changes.softened(self.scene, self.taken, 1, 0, self.scene.window, start), start=list(range(1, self.starts + 1)))
         found.stiff = Candidate(Setting(1, self.share, self.scene.window), rows)
         if found.stiff.fault:
