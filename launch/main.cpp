@@ -90,6 +90,7 @@ int main(int argc, char** argv) {
   add_modes(app);
   add_study(app, status);
   add_sweep(app);
+  add_soften(app);
   add_import(app);
   add_mesh(app, status);
   add_ps(app);

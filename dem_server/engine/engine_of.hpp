@@ -262,8 +262,10 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     exec_.run_window(
         view_, memory_.now.window, [this] { rebuild(); },
         [this] { exec_.step(memory_.n, MicroStep<Law, Real>{view_}, memory_.bodies + 1); });
-    account();
-    if (!last_poses.empty()) find_tangents(last_poses);
+    if (last_poses.empty())
+      account();
+    else
+      exec_.at_once([this] { account(); }, [&] { find_tangents(last_poses); });
     exec_.download(
         memory_.now.window, std::span<WindowProgress>(&c, 1), memory_.window.totals,
         std::span<std::int64_t>(total_sums_), memory_.window.load,

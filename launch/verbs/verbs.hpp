@@ -10,6 +10,7 @@ namespace tandem::launch {
 void add_run(CLI::App& app, int& status);
 void add_study(CLI::App& app, int& status);
 void add_sweep(CLI::App& app);
+void add_soften(CLI::App& app);
 void add_validate(CLI::App& app, int& status);
 void add_describe(CLI::App& app);
 void add_preview(CLI::App& app);

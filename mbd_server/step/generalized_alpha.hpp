@@ -104,11 +104,13 @@ class GeneralizedAlpha final : public ControlledMethod {
   void predict_states(State& state, double h);
   double finish_states(System& system, State& state, double h, double apart);
   void perturb_velocity(System& system, State& state, double h);
+  std::optional<LocalError> attempt(System& system, State& state, double h);
   void step_in_parts(System& system, State& state, double h);
   enum class Trust { contracting, any };  // which roots are accepted
   bool find(System& system, State& state, double h, Trust trust);
   bool begins_afresh(double h) const;
   LocalError finish(System& system, State& state, double h);
+  void leave_out_constrained(System& system, State& state, double h);
   // Start of the iteration: the quantity that is constant.
   enum class Begin { acceleration, velocity, position };
   void predict(System& system, State& state, double h, Begin begin);

@@ -21,6 +21,7 @@ _HOMES = {
     "runs": ("Run", "RunError"),
     "results": ("Results", "Signal"),
     "sweeps": ("sweep", "Sweep"),
+    "softening": ("soften", "Softening"),
     "program": ("find_tandem",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}

@@ -19,9 +19,11 @@ DeviceExec::DeviceExec() {
   check_cuda(cudaStreamCreateWithFlags(&aside_, cudaStreamNonBlocking), "opening a stream");
   check_cuda(cudaEventCreateWithFlags(&marked_, cudaEventDisableTiming), "making an event");
   check_cuda(cudaMallocHost(&landing_, landing_bytes), "allocating memory for copies from the device");
+  check_cuda(cudaMallocHost(&departure_, departure_bytes), "allocating memory for copies to the device");
 }
 
 DeviceExec::~DeviceExec() {
+  cudaFreeHost(departure_);
   cudaFreeHost(landing_);
   if (marked_ != nullptr) cudaEventDestroy(marked_);
   if (aside_ != nullptr) cudaStreamDestroy(aside_);
@@ -36,7 +38,19 @@ DeviceExec::DeviceExec(DeviceExec&& other) noexcept
       marked_(std::exchange(other.marked_, nullptr)),
       device_(other.device_),
       landing_(std::exchange(other.landing_, nullptr)),
+      departure_(std::exchange(other.departure_, nullptr)),
       scratch_(std::move(other.scratch_)) {}
+
+// Returns the place from which `bytes` are copied to the device; `from` may change after the call.
+const void* DeviceExec::staged(const void* from, std::size_t bytes) {
+  constexpr std::size_t alignment = 16;
+  const std::size_t room = (bytes + alignment - 1) / alignment * alignment;
+  if (bytes == 0 || departed_ + room > departure_bytes) return from;
+  std::byte* const place = departure_ + departed_;
+  std::memcpy(place, from, bytes);
+  departed_ += room;
+  return place;
+}
 
 void DeviceExec::begin_download(const void* from, void* to, std::size_t bytes) {
   void* target = to;
@@ -53,6 +67,7 @@ void DeviceExec::finish_downloads() {
   const std::vector<Download> landing = std::exchange(downloads_, {});
   landed_ = 0;
   check_cuda(cudaStreamSynchronize(stream_), "waiting for the device");
+  departed_ = 0;
   for (const Download& d : landing) std::memcpy(d.to, landing_ + d.at, d.bytes);
 }
 

@@ -79,7 +79,8 @@ class DeviceExec : public CudaTraits {
   template <class T>
   void upload(Buffer<T>& to, std::span<const T> from) {
     if (to.size() < from.size()) to.resize(from.size());
-    check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size_bytes(), cudaMemcpyHostToDevice, stream_),
+    check_cuda(cudaMemcpyAsync(to.data(), staged(from.data(), from.size_bytes()), from.size_bytes(),
+                               cudaMemcpyHostToDevice, stream_),
                "copying to the device");
   }
   // One or more buffers, with one synchronisation for all of them.
@@ -176,6 +177,7 @@ class DeviceExec : public CudaTraits {
   unsigned most_block_threads_ = ~0u;
 
  private:
+  const void* staged(const void* from, std::size_t bytes);
   void begin_download(const void* from, void* to, std::size_t bytes);
   void finish_downloads();
   void copy_marked(const void* from, void* to, std::size_t bytes);
@@ -193,6 +195,11 @@ class DeviceExec : public CudaTraits {
   std::byte* landing_ = nullptr;
   std::size_t landed_ = 0;  // bytes in use
   std::vector<Download> downloads_;
+  // Small copies to the device leave from pinned memory: one from pageable memory would wait for the work
+  // before it. A download, which waits for the stream, makes the memory free again.
+  static constexpr std::size_t departure_bytes = 1 << 16;
+  std::byte* departure_ = nullptr;
+  std::size_t departed_ = 0;  // bytes in use
   Buffer<std::byte> scratch_;
 };
 

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Scenes that are built, checked, run, watched and swept in Python, with the programs of TANDEM; and the examples, shortened."""
+import csv
 import inspect
+import json
 import math
 import os
 import pathlib
@@ -185,6 +187,67 @@ class Sweeps(Case):
             said = subprocess.run([os.environ["TANDEM"], "sweep", "s.json", *words], capture_output=True, text=True, check=False)
             self.assertIn(wanted, said.stderr)
             self.assertEqual(said.returncode, 2, said.stderr)
+
+
+class Softening(Case):
+    """`tandem soften` on a hopper of some hundred spheres."""
+
+    def hopper(self):
+        s = td.templates.hopper()
+        s.set(depth=.05, height=.1, young=1e9)
+        s.end_time = .24
+        s.section("output")["frame_interval"] = .04
+        s.save("hopper.json")
+        return s
+
+    def soften(self, *words):
+        return subprocess.run([os.environ["TANDEM"], "soften", "hopper.json", *words], capture_output=True, text=True, check=False)
+
+    def test_a_faster_scene_within_the_error(self):
+        stiff = self.hopper()
+        words = ["--error", "25%", "--of", "mouth.passed", "--starts", "2", "--modulus", "4,16,64", "--step", "0.28,0.39", "--window", "0.004", "--threads", "1",
+                 "--out", "soft", "-o", "softer.json"]
+        said = self.soften(*words)
+        self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
+        print("\n" + said.stdout)
+        with open("soft/results.csv") as file:
+            rows = {row["setting"]: row for row in csv.DictReader(file)}
+        chosen, reference = rows["chosen"], rows["stiff"]
+        self.assertGreater(float(chosen["divisor"]), 1)
+        self.assertLessEqual(float(chosen["error mouth.passed"]), .25)
+        self.assertLessEqual(float(chosen["micro_steps"]), .6 * float(reference["micro_steps"]))  # a quarter of the modulus takes half the steps
+        self.assertLess(float(chosen["wall_s"]), float(reference["wall_s"]))
+        self.assertGreater(pathlib.Path("soft/soften.png").stat().st_size, 10000)
+        # The scene itself: not suspect, and its moduli, step and window are those of the table.
+        soft = td.load("softer.json")
+        self.assertEqual(soft.data["dem"]["materials"][0]["young"], f"=(young)/{float(chosen['divisor']):g}")
+        r = self.run_scene(soft, threads=1)
+        self.assertEqual(r.verdict, "ok", r.verdict.lines)
+        self.assertLessEqual(r.summary["max_overlap_ratio"], soft.data["dem"].get("overlap_limit", .05))
+        self.assertAlmostEqual(r.summary["micro_step_s"], float(chosen["micro_step_s"]), places=9)
+        written = json.loads(pathlib.Path("soft/runs/variants/written=1/summary.json").read_text())
+        self.assertEqual(r.summary["state_hash"], written["state_hash"])
+        self.assertEqual(stiff.data["dem"]["materials"][0]["young"], "=young")
+        # The same command again runs nothing.
+        runs = {path: path.stat().st_mtime_ns for path in pathlib.Path("soft/runs/variants").glob("*/summary.json")}
+        again = self.soften(*words)
+        self.assertEqual(again.stdout, said.stdout)
+        self.assertEqual(runs, {path: path.stat().st_mtime_ns for path in pathlib.Path("soft/runs/variants").glob("*/summary.json")})
+
+    def test_wrong_words(self):
+        self.hopper()
+        start = ["--error", "25%", "--of"]
+        for words, wanted in ((start + ["mouth.pased"], "did you mean 'mouth.passed'"), (start + ["mouth.flow:meen"], "did you mean 'mean'"),
+                              (start + ["mouth"], "'mouth' is no column; it has 'mouth."), (["--of", "mouth.flow", "--error", "x"], "'x' is no error"),
+                              (start + ["mouth.flow", "--window", "0.03"], "no whole number of windows of 0.03 s"),
+                              (start + ["mouth.flow", "--step", "0.6"], "above 0.4"), (start + ["mouth.flow", "--modulus", "1"], "no step up"),
+                              (start + ["mouth.flow", "--set", "muoth=1"], "did you mean 'mouth'"), (["--of", "mouth.flow"], "--error")):
+            said = self.soften(*words)
+            self.assertIn(wanted, said.stderr)
+            self.assertEqual(said.returncode, 2, said.stderr)
+        said = self.soften("--error", "0.01%", "--of", "mouth.passed", "--starts", "2", "--threads", "1")
+        self.assertEqual(said.returncode, 1, said.stderr)
+        self.assertIn("so that a smaller error means nothing", said.stdout)
 
 
 # Simulated times of the examples here [s]; their own are longer.

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""What `tandem soften` changes in a scene, how it measures errors, and what it refuses. No program is needed."""
+import json
+import math
+import pathlib
+import tempfile
+import unittest
+from types import SimpleNamespace
+
+import numpy as np
+
+import tandem as td
+from tandem.signals import Signal
+from tandem.soften_command import numbers, scene_of
+from tandem.soften_errors import Measure, error_of_text
+from tandem.soften_scene import expect_window, moduli_of_library, random_fills, shares, softened, windows
+from tandem.soften_words import reading
+
+
+def bed(**keys):
+    s = td.Scene("bed", end_time=.4, window=1e-3, frame_interval=.02)
+    grain = s.material("grain", density=2500, young=1e9, friction=.4, restitution=.5)
+    s.lattice(grain, (0, 0, 0), (.1, .1, .1), radius=.005, spacing=.011, jitter=.5, **keys)
+    s.plane("floor", at=(0, 0, 0), normal="z", material=grain)
+    return s
+
+
+class Changes(unittest.TestCase):
+    def test_moduli_step_window_and_start(self):
+        s = bed(seed=7)
+        soft = softened(s, {}, 16, 2e-5, 2e-3, start=3, overlap_limit=.3)
+        dem = soft.data["dem"]
+        self.assertEqual((dem["materials"][0]["young"], dem["micro_step"], soft.window, dem["overlap_limit"]), (6.25e7, 2e-5, 2e-3, .3))
+        self.assertEqual(dem["particles"][0]["fill"]["seed"], 9)
+        self.assertEqual(s.data["dem"]["materials"][0]["young"], 1e9)  # the scene itself stays
+        self.assertEqual(softened(s, {}, 1, 0, 1e-3).json(), s.json())
+
+    def test_all_kinds_of_stiffness(self):
+        """Damping of the law `paper` goes with the root of the stiffness, so that rebounds stay as they are."""
+        s = bed()
+        s.data["dem"]["pairs"] = [{"a": "grain", "b": "grain", "normal_stiffness": 1e8, "tangential_stiffness": 8e7, "normal_damping": 40.0,
+                                   "tangential_damping": 20.0, "spring_stiffness": "=2*k", "restitution": .5, "friction": .4}]
+        pair = softened(s, {}, 16, 0, 1e-3).data["dem"]["pairs"][0]
+        self.assertEqual([pair[k] for k in ("normal_stiffness", "tangential_stiffness", "normal_damping", "tangential_damping", "spring_stiffness")],
+                         [6.25e6, 5e6, 10.0, 5.0, "=(2*k)/16"])
+        self.assertEqual((pair["restitution"], pair["friction"]), (.5, .4))
+
+    def test_moduli_of_the_library(self):
+        s = bed()
+        del s.data["dem"]["materials"][0]["young"]
+        taken = moduli_of_library({"grain.young": {"value": 7.1e10}, "steel.young": {"value": 2.1e11}, "steel.density": {"value": 7850}})
+        materials = {m["name"]: m.get("young") for m in softened(s, taken, 4, 0, 1e-3).data["dem"]["materials"]}
+        self.assertEqual(materials, {"grain": 1.775e10, "steel": 5.25e10})
+
+    def test_random_starts(self):
+        s = bed()
+        self.assertEqual(softened(s, {}, 1, 0, 1e-3, start=2).data["dem"]["particles"][0]["fill"]["seed"], 2)  # its default is 1
+        s.data["dem"]["particles"][0]["fill"]["jitter"] = 0
+        self.assertEqual(random_fills(s), [])
+        s.data["dem"]["particles"][0]["radius"] = [.004, .005]
+        self.assertEqual(len(random_fills(s)), 1)
+
+    def test_levels(self):
+        np.testing.assert_allclose(shares(.2), [.2, .2 * math.sqrt(2), .39])
+        np.testing.assert_allclose(shares(.048)[-1], .384, rtol=1e-9)
+        self.assertEqual(shares(.4), [.4])
+        s = bed()
+        self.assertEqual(windows(s, 1e-3), [.001, .002, .004, .01, .02])  # all divide 0.02 s between frames
+        s.section("coupling")["adaptive"] = {"min_window": 1e-4, "max_window": 1e-3}
+        self.assertEqual(windows(s, 1e-3), [.001])
+        self.assertEqual(softened(s, {}, 4, 0, 2e-3).window, 1e-3)
+
+
+class Errors(unittest.TestCase):
+    def results(self, values, dt=.1, **numbers_):
+        signal = Signal("w.q", dt * np.arange(1, len(values) + 1), np.array(values, float))
+        return SimpleNamespace(__class__=dict, reduce=lambda of: numbers_[of.split(":")[1]]), signal
+
+    def error(self, of, here, right):
+        runs = [{of: signal} for _, signal in (here, right)]
+        return Measure(of).error(*runs)
+
+    def test_a_course_is_compared_at_common_times(self):
+        """The rms of 0.1 over a range of 2, from every second row of the run with shorter windows."""
+        right = self.results([1, 2, 3])
+        here = self.results([9, 1.1, 9, 2.1, 9, 2.9], dt=.05)
+        self.assertAlmostEqual(self.error("w.q", here, right), .05)
+
+    def test_a_vector_is_relative_to_the_box_that_it_stays_in(self):
+        t = np.arange(1, 4) * .1
+        right = Signal("w.v", t, np.array([[0, 0, 0], [3, 4, 0], [0, 0, 0]], float), axes=tuple("xyz"))
+        here = Signal("w.v", t, right.values + [0, 0, .5], axes=tuple("xyz"))
+        self.assertAlmostEqual(Measure("w.v").error({"w.v": here}, {"w.v": right}), .1)
+
+    def test_a_number(self):
+        here, right = (SimpleNamespace(reduce=lambda of, v=v: v) for v in (1.1, -1.0))
+        self.assertAlmostEqual(Measure("f.flow:mean").error(here, right), 2.1)
+        self.assertEqual(Measure("summary.lost_particles").error(*[SimpleNamespace(reduce=lambda of: 0)] * 2), 0)
+
+    def test_what_does_not_change_has_no_relative_error(self):
+        with self.assertRaisesRegex(td.SceneError, "w.q: does not change in the stiff run"):
+            self.error("w.q", self.results([1, 2]), self.results([1, 1]))
+        self.assertEqual(self.error("w.q", self.results([1, 1]), self.results([1, 1])), 0)
+        with self.assertRaisesRegex(td.SceneError, "is 0 in the stiff run"):
+            Measure("f.flow:mean").error(SimpleNamespace(reduce=lambda of: 1), SimpleNamespace(reduce=lambda of: 0))
+        with self.assertRaisesRegex(td.SceneError, "no time that both runs have"):
+            self.error("w.q", self.results([1, 2]), self.results([1, 2], dt=.07))
+
+
+class Refusals(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+
+    def refusal(self, s, of="floor.force", **keys):
+        with self.assertRaises(td.SceneError) as caught:
+            td.soften(s, keys.pop("error", "1%"), of, out=str(self.folder / "out"), progress=False, **keys)
+        return str(caught.exception)
+
+    def test_errors(self):
+        self.assertEqual([error_of_text(text) for text in ("1%", "0.5%", "0.02")], [.01, .005, .02])
+        for text in ("0", "1", "100%", "one", "-1%", "nan", "%"):
+            with self.assertRaisesRegex(td.SceneError, "is no error .*--error 1%"):
+                error_of_text(text)
+
+    def test_scenes(self):
+        self.assertIn("no grains to soften", self.refusal(td.Scene("machine", 1)))
+        s = bed()
+        self.assertIn("no result is named", self.refusal(s, of=[]))
+        s.data["dem"]["particles"][0]["fill"]["jitter"] = 0
+        self.assertIn("no random numbers, so that its scatter cannot be found (give the fill a jitter, or write --starts 1", self.refusal(s))
+        s = bed()
+        s.window = "=w"
+        self.assertIn("coupling.window is the expression '=w'", self.refusal(s))
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "mine").touch()
+        self.assertIn("is no folder of a softening", self.refusal(bed()))
+
+    def test_windows(self):
+        with self.assertRaisesRegex(td.SceneError, r"output.frame_interval of 0.02 s is no whole number of windows of 0.003 s \(these fit: 0.002, 0.004, 0.01, 0.02\)"):
+            s = bed()
+            s.end_time = .6
+            expect_window(s, .003)
+        with self.assertRaisesRegex(td.SceneError, "end_time of 0.4 s is no whole number of windows of 0.03 s"):
+            expect_window(bed(), .03)
+        with self.assertRaisesRegex(td.SceneError, "is no window"):
+            expect_window(bed(), 0)
+
+    def test_words(self):
+        self.assertEqual(numbers("4,16", "--modulus"), [4, 16])
+        with self.assertRaisesRegex(td.SceneError, "--step: 'a,b' is no list of numbers"):
+            numbers("a,b", "--step")
+        s = bed()
+        s.parameter("mouth", .1)
+        s.save(str(self.folder / "s.json"))
+        self.assertEqual(scene_of(str(self.folder / "s.json"), ["mouth=.2"]).data["parameters"]["mouth"]["value"], .2)
+        with self.assertRaisesRegex(td.SceneError, "no parameter 'muoth'; did you mean 'mouth'"):
+            scene_of(str(self.folder / "s.json"), ["muoth=.2"])
+        with self.assertRaisesRegex(td.SceneError, "'mouth=wide' gives no value"):
+            scene_of(str(self.folder / "s.json"), ["mouth=wide"])
+
+    def test_an_error_below_the_scatter(self):
+        stiff = SimpleNamespace(setting=SimpleNamespace(divisor=1, window=1e-3), share=.2, parts={}, wall_s=1.0, overlap=.01, fault="")
+        found = SimpleNamespace(measures=[Measure("hinge.q")], stiff=stiff, candidates=[], scatter={"hinge.q": .0123}, wanted=.01, chosen=None)
+        self.assertIn("differ by 1.2 % of hinge.q, so that a smaller error means nothing\nwrite --error 2%", reading(found))
+
+
+class Files(unittest.TestCase):
+    def test_a_softened_scene_is_plain(self):
+        text = json.loads(softened(bed(), {}, 16, 2e-5, 2e-3, 1, .3).json())
+        self.assertEqual(set(text), set(json.loads(bed().json())))
+
+
+if __name__ == "__main__":
+    unittest.main()
