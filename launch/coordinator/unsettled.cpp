@@ -26,7 +26,8 @@ double energy_of(const Unsettled& unsettled, std::size_t i) {
   const double mass = unsettled.scene.dem->materials[unsettled.fill.material[id]].density * 4 / 3 *
                       std::numbers::pi * r * r * r;
   return 0.5 * mass *
-         (norm2(row_of(unsettled.spheres.velocity, i)) + 0.4 * r * r * norm2(row_of(unsettled.spheres.spin, i)));
+         (norm2(row_of(unsettled.spheres.velocity, i)) +
+          0.4 * r * r * norm2(row_of(unsettled.spheres.spin, i)));
 }
 
 // ", 0.006 m from wall 'cone' of 'ground'": of the centre.
@@ -42,7 +43,8 @@ std::string nearest_wall(const Unsettled& unsettled, Vec3d at) {
     if (found && found->distance < least) least = found->distance, nearest = &wall;
   }
   if (nearest == nullptr) return {};
-  return fmt::format(", {:.3g} m from wall '{}' of '{}'", least, nearest->name, scene.body_name(nearest->body));
+  return fmt::format(", {:.3g} m from wall '{}' of '{}'", least, nearest->name,
+                     scene.body_name(nearest->body));
 }
 
 }  // namespace
@@ -64,7 +66,8 @@ std::string what_moves(const Unsettled& unsettled) {
   const Vec3d at = row_of(spheres.position, fastest);
   const std::uint32_t id = spheres.id[fastest];
   return fmt::format(
-      "; {} of {} spheres have more than that, from {} to {} m; the fastest is sphere {} of '{}' at {} m with "
+      "; {} of {} spheres have more than that, from {} to {} m; the fastest is sphere {} of '{}' at {} m "
+      "with "
       "{:.3g} m/s{}",
       count, spheres.id.size(), scene::rounded(low), scene::rounded(high), id,
       unsettled.scene.dem->particles[unsettled.fill.group[id]].name, scene::rounded(at), highest,
@@ -81,10 +84,10 @@ void draw_unsettled(const std::filesystem::path& picture, const Unsettled& unset
     frame.value.push_back(norm(row_of(unsettled.spheres.velocity, i)));
   }
   range.add(frame.value);
-  draw_preview(picture, unsettled.file.scene, frame,
-               fmt::format("{}   {} spheres that have not settled", unsettled.file.scene.name,
-                           frame.radius.size()),
-               range.from_zero("speed [m/s]"));
+  draw_preview(
+      picture, unsettled.file.scene, frame,
+      fmt::format("{}   {} spheres that have not settled", unsettled.file.scene.name, frame.radius.size()),
+      range.from_zero("speed [m/s]"));
 }
 
 }  // namespace tandem::launch
