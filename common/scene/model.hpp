@@ -99,8 +99,9 @@ struct Body {
   // Mass, inertia and centre of mass are not known yet: they follow from the shapes, once the meshes are
   // there (common/scene/shape_mass.hpp). Until then `pose` is that of the frame in which the shapes are.
   bool from_shapes = false;
-  std::optional<Vec3d> colour;  // in pictures: red, green, blue from 0 to 1
-  std::string assembly;  // names of the assemblies of a CAD program that it is in, outermost first, with /
+  std::optional<Vec3d> colour = {};  // in pictures: red, green, blue from 0 to 1
+  // Names of the assemblies of a CAD program that it is in, from the outermost, with / between them.
+  std::string assembly = {};
 };
 
 enum class JointType {

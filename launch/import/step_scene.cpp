@@ -158,7 +158,7 @@ Imported import_step(const ImportOptions& given) {
         "{} entities of the file, which OpenCASCADE could not read; the first: {}. Compare the parts and "
         "their masses with those of the CAD program",
         import.step.faults, printable(shortened(import.step.first_fault))));
-  const std::vector<FittingFaces> fits = fitting_faces(import.step);
+  const std::vector<FittingFaces> fits = fitting_faces(import.step, options.model.string());
   import.bodies = bodies_of(import.step, fits, options, notes);
   if (import.bodies.bodies.empty())
     throw Error(ErrorCode::scene, "no part has a solid, only surfaces or curves", options.model.string(),

@@ -238,6 +238,27 @@ TEST_F(Step, IntoASceneWithParticlesMeshesAreWalls) {
   EXPECT_THAT(refusal(files / "slider_crank.step", options), HasSubstr("soft"));
 }
 
+// Copies at one place would all be compared with each other.
+TEST(StepFaces, AMillionPairsOfPartsThatLieInEachOtherAreRefused) {
+  StepFile step;
+  StepProduct& cube = step.products.emplace_back();
+  cube.name = "cube";
+  cube.unit = mass_of_box({1, 1, 1}, 1);
+  cube.mesh = box_mesh({1, 1, 1});
+  cube.low = {-0.5, -0.5, -0.5}, cube.high = {0.5, 0.5, 0.5};
+  for (int k = 0; k < 1500; ++k) step.parts.push_back({{"cube" + std::to_string(k)}, 0, {}, {}, {}});
+  try {
+    fitting_faces(step, "huge.step");
+    ADD_FAILURE() << "compared";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("huge.step: more than 1000000 pairs of its 1500 parts are so near that "
+                          "they may touch, such as 'cube"));
+  }
+  for (int k = 0; k < 1500; ++k) step.parts[static_cast<std::size_t>(k)].pose.p_WB.x = 1.5 * k;
+  EXPECT_TRUE(fitting_faces(step, "row.step").empty());
+}
+
 TEST_F(Step, RefusesWhatIsNoSolidMachine) {
   const auto write = [&](const std::string& name, const std::string& text) {
     put(name, text);
