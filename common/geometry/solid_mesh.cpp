@@ -1,5 +1,6 @@
 #include "common/geometry/solid_mesh.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -56,12 +57,14 @@ class Revolution {
 
 }  // namespace
 
-TriangleMesh cone_mesh(double radius, double top_radius, double height, int segments) {
+TriangleMesh cone_mesh(double radius, double top_radius, double height, int segments,
+                       const std::vector<std::string>& open) {
+  const auto is_closed = [&](const char* end) { return std::ranges::find(open, end) == open.end(); };
   Revolution cone(segments);
-  cone.add(0, -height / 2);
+  if (is_closed("-z")) cone.add(0, -height / 2);
   cone.add(radius, -height / 2);
   if (top_radius > 0) cone.add(top_radius, height / 2);
-  cone.add(0, height / 2);
+  if (top_radius == 0 || is_closed("+z")) cone.add(0, height / 2);
   return cone.take();
 }
 

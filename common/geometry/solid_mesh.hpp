@@ -1,7 +1,9 @@
-// Triangle meshes of solids, closed and wound counter-clockwise as seen from outside.
+// Triangle meshes of solids, closed unless faces are left out, and wound counter-clockwise as seen from
+// outside.
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/geometry/triangle_mesh.hpp"
@@ -9,8 +11,10 @@
 namespace tandem {
 
 // Truncated cone about the z axis, inscribed with `segments` sides, centred at half its height: `radius` at
-// the lower end, `top_radius` at the upper one, where 0 is an apex.
-TriangleMesh cone_mesh(double radius, double top_radius, double height, int segments);
+// the lower end, `top_radius` at the upper one, where 0 is an apex. The ends in `open`, "+z" and "-z", are
+// left out.
+TriangleMesh cone_mesh(double radius, double top_radius, double height, int segments,
+                       const std::vector<std::string>& open = {});
 
 // Capsule about the z axis, centred at the origin: a cylinder of `height` with a hemisphere of `radius` at
 // each end, inscribed with `segments` meridians and as many zones, at least 4, as give an angle of 2 pi /

@@ -99,6 +99,9 @@ struct Body {
   // Mass, inertia and centre of mass are not known yet: they follow from the shapes, once the meshes are
   // there (common/scene/shape_mass.hpp). Until then `pose` is that of the frame in which the shapes are.
   bool from_shapes = false;
+  std::optional<Vec3d> colour = {};  // in pictures: red, green, blue from 0 to 1
+  // Names of the assemblies of a CAD program that it is in, from the outermost, with / between them.
+  std::string assembly = {};
 };
 
 enum class JointType {
@@ -434,14 +437,19 @@ struct CylinderRegion {
   double radius = 0;  // [m]
 };
 struct AboveWall {
-  std::string wall;                    // name
-  std::array<double, 2> min{}, max{};  // corners of a rectangle, x and y of the world [m]
-  double height = 0;                   // of the bed above the wall [m]
+  std::string wall;                                   // name
+  std::optional<std::array<double, 2>> min{}, max{};  // corners of a rectangle, x and y of the world [m];
+                                                      // absent: wherever the wall is
+  std::optional<double> height{};  // of the bed above the wall [m]; absent: up to the level
+};
+// The smallest convex room that has all of the walls in it.
+struct BetweenWalls {
+  std::vector<std::string> walls;  // names
 };
 
 // Spheres at random places of a region, as many as `count`, `mass` or `void_fraction` say.
 struct PackingFill {
-  std::variant<InsideWall, Box, CylinderRegion, AboveWall> region;
+  std::variant<InsideWall, Box, CylinderRegion, AboveWall, BetweenWalls> region;
   std::optional<double> level;  // upper limit: distance above the world's origin, against gravity [m]
   std::optional<double> mass;   // [kg]
   std::optional<std::uint64_t> count;

@@ -66,6 +66,7 @@ struct CapsuleShape {
 struct ConeShape {
   double radius = 0, top_radius = 0, height = 0;  // at the lower end, at the upper end [m]
   std::optional<int> segments;
+  std::vector<std::string> open = {};  // ends left out
 };
 // Of `points`, or of the corners in a file.
 struct HullShape {
@@ -99,6 +100,7 @@ struct Shape {
   bool is_of_body = false;  // one of the body's `shapes`, which a mass from shapes counts
   // Of a wall: which particles it is for. One of a body is for all that the scene has.
   bool for_grains = true, for_liquid = true;
+  std::optional<Vec3d> colour = {};  // in pictures, of a wall of the ground: red, green, blue from 0 to 1
 };
 
 // What the particles know of a shape: its surface. Shapes that the particle solver has no surface for are
@@ -111,6 +113,7 @@ struct Wall {
   std::variant<PlaneShape, BoxShape, CylinderShape, SphereShape, MeshShape> shape;
   std::string path{};                               // in the file, for messages; empty: its place in the list
   std::optional<SurfaceVelocity> surface_velocity;  // absent: the surface moves with its body
+  std::optional<Vec3d> colour{};                    // in pictures
 };
 
 // What the particle solver measures: the spheres whose centre is in a region, or what the spheres do to a

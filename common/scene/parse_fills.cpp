@@ -51,10 +51,18 @@ decltype(PackingFill::region) parse_region(const Node& node) {
     node.read("radius", region.radius);
     return region;
   }
+  if (node.type() == "between") {
+    BetweenWalls region;
+    node.read("walls", region.walls);
+    return region;
+  }
   AboveWall region;
   node.read("wall", region.wall);
   node.read("min", region.min);
   node.read("max", region.max);
+  if (region.min.has_value() != region.max.has_value())
+    node.fail(region.min ? "min without max" : "max without min",
+              "give both, or neither: the region is then wherever the wall is");
   node.read("height", region.height);
   return region;
 }

@@ -30,6 +30,8 @@ Body parse_body(const Node& node) {
   node.read("orientation", body.pose.q_WB);
   node.read("velocity", body.twist.v_WB);
   node.read("angular_velocity", body.twist.w_WB);
+  body.colour = read_colour(node);
+  node.read("assembly", body.assembly);
   return body;
 }
 

@@ -65,4 +65,12 @@ Friction parse_friction(const Node& node);
 // Reads the name of a body or "ground"; an absent key is the ground.
 BodyId read_body(const Node& node, const char* key, const Names& bodies);
 
+// Of a body or a wall in pictures.
+inline std::optional<Vec3d> read_colour(const Node& node) {
+  if (!node.has("color")) return {};
+  Vec3d colour;
+  node.read("color", colour);
+  return colour;
+}
+
 }  // namespace tandem::scene

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "common/scene/fault.hpp"
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse_parts.hpp"
@@ -88,6 +90,10 @@ Geometry parse_geometry(const Node& node) {
     node.read("top_radius", cone.top_radius);
     node.read("height", cone.height);
     node.read("segments", cone.segments);
+    node.read("open", cone.open);
+    if (cone.top_radius == 0 && std::ranges::find(cone.open, "+z") != cone.open.end())
+      node.fail("open", "the upper end is an apex, and not there to be open",
+                "leave out +z, or give top_radius");
     return cone;
   }
   if (type == "convex_hull") return parse_hull(node);
@@ -124,6 +130,7 @@ Shape parse_placed(const Node& node) {
   node.read("position", shape.pose.p_WB);
   node.read("orientation", shape.pose.q_WB);
   shape.geometry = parse_geometry(node.at("shape"));
+  shape.colour = read_colour(node);
   shape.path = node.path();
   return shape;
 }
@@ -236,12 +243,19 @@ void require_surface(const Node& node, const Shape& shape) {
                           "add segments: flat faces, inscribed, whose corners are at the radius");
 }
 
+// A body is one surface in pictures, of one colour.
+void require_colour_of_ground(const Node& node, const Shape& shape) {
+  if (shape.colour && shape.body != ground)
+    node.fail("color", "the wall is on a body, which has one colour in pictures",
+              "give the colour to the body");
+}
+
 // A wall of the liquid with the name of a wall of the grains is the same surface: meshes and pictures have it
 // once.
 void expect_same_wall(const Node& root, const Node& of_liquid) {
   for (const Node& of_grains : root.at("dem").elements("walls")) {
     if (of_grains.value().at("name") != of_liquid.value().at("name")) continue;
-    for (const char* key : {"body", "position", "orientation", "shape"}) {
+    for (const char* key : {"body", "position", "orientation", "shape", "color"}) {
       const nlohmann::json none, &a = of_grains.has(key) ? of_grains.value().at(key) : none,
                                  &b = of_liquid.has(key) ? of_liquid.value().at(key) : none;
       if (a != b)
@@ -275,6 +289,7 @@ void parse_shapes(const Node& root, Scene& scene) {
     for (const Node& node : root.at("dem").elements("walls")) {
       Shape shape = parse_common(node, materials);
       shape.body = read_body(node, "body", bodies);
+      require_colour_of_ground(node, shape);
       shape.for_liquid = false;
       if (node.has("surface_velocity")) shape.surface_velocity = parse_surface_velocity(node, scene.format);
       add(node, std::move(shape));
@@ -285,6 +300,7 @@ void parse_shapes(const Node& root, Scene& scene) {
     for (const Node& node : root.at("sph").elements("walls")) {
       Shape shape = parse_placed(node);
       shape.body = read_body(node, "body", bodies);
+      require_colour_of_ground(node, shape);
       shape.for_grains = false;
       if (!walls.add(shape.name)) expect_same_wall(root, node);
       add(node, std::move(shape));

@@ -98,7 +98,7 @@ TriangleMesh mesh_of(const Shape& shape, const TriangleMesh& in_file, int segmen
             return capsule_mesh(s.radius, s.height, s.segments.value_or(segments));
           },
           [&](const ConeShape& s) {
-            return cone_mesh(s.radius, s.top_radius, s.height, s.segments.value_or(segments));
+            return cone_mesh(s.radius, s.top_radius, s.height, s.segments.value_or(segments), s.open);
           },
           hull,
           [](const HeightFieldShape& s) { return height_field_mesh(s.size_x, s.size_y, s.heights, s.base); }},
@@ -112,7 +112,8 @@ Wall wall_of(const Shape& shape) {
             shape.pose,
             {},
             shape.path,
-            shape.surface_velocity};
+            shape.surface_velocity,
+            shape.colour};
   std::visit(
       [&](const auto& geometry) {
         if constexpr (requires { wall.shape = geometry; })

@@ -116,24 +116,29 @@ void validate_region(const Scene& scene, const PackingFill& fill, double largest
     if (g.x != 0 || g.y != 0 || g.z > 0)
       fail(origin, path, "the region is above a wall along z, and gravity is " + text(g),
            "give another region, or gravity along -z");
-    for (std::size_t a = 0; a < 2; ++a) {
+    for (std::size_t a = 0; above->min && a < 2; ++a) {
       const int axis = static_cast<int>(a);
-      if (!(above->max[a] - above->min[a] >= 2 * largest))
+      const double low = (*above->min)[a], high = (*above->max)[a];
+      if (!(high - low >= 2 * largest))
         fail(origin, element(path + ".max", a),
-             text(above->max[a]) + " m is not a diameter of " + text(2 * largest) + " m beyond " +
-                 text(above->min[a]) + " m",
+             text(high) + " m is not a diameter of " + text(2 * largest) + " m beyond " + text(low) + " m",
              "give the lower corner as min, and a rectangle that holds a sphere");
-      if (above->min[a] < domain.min[axis] || above->max[a] > domain.max[axis])
+      if (low < domain.min[axis] || high > domain.max[axis])
         fail(origin, path, std::string("the rectangle reaches beyond the domain along ") + "xyz"[axis],
              "enlarge dem.domain, or move the region");
     }
-    if (above->height < 2 * largest)
+    if (above->height && *above->height < 2 * largest)
       fail(origin, path + ".height",
-           text(above->height) + " m is less than the largest diameter of " + text(2 * largest) + " m",
+           text(*above->height) + " m is less than the largest diameter of " + text(2 * largest) + " m",
            "give a higher bed, or smaller spheres");
-    if (fill.level)
-      fail(origin, path.substr(0, path.rfind('.')) + ".level", "the bed above a wall has a height",
-           "leave out level");
+    if (fill.level.has_value() == above->height.has_value())
+      fail(origin, fill.level ? path.substr(0, path.rfind('.')) + ".level" : path,
+           fill.level ? "the bed above a wall has a height" : "the room above a wall has no upper end",
+           fill.level ? "leave out level, or height"
+                      : "give the bed a height, or the fill a level up to which it reaches");
+  } else if (const auto* between = std::get_if<BetweenWalls>(&fill.region)) {
+    for (std::size_t i = 0; i < between->walls.size(); ++i)
+      require_wall(scene, between->walls[i], origin, element(path + ".walls", i));
   } else {
     require_wall(scene, std::get<InsideWall>(fill.region).wall, origin, path + ".wall");
   }

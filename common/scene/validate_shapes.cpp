@@ -15,6 +15,8 @@ std::string why_without_volume(const Geometry& geometry) {
     return "a box with open faces is a surface";
   if (const auto* cylinder = std::get_if<CylinderShape>(&geometry); cylinder && !cylinder->open.empty())
     return "a cylinder with open ends is a surface";
+  if (const auto* cone = std::get_if<ConeShape>(&geometry); cone && !cone->open.empty())
+    return "a cone with open ends is a surface";
   if (const auto* field = std::get_if<HeightFieldShape>(&geometry); field && !field->base)
     return "a height field without a base is a surface";
   return {};

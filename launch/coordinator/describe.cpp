@@ -7,6 +7,7 @@
 
 #include "common/overloaded.hpp"
 #include "common/scene/shape_mesh.hpp"
+#include "common/utf8.hpp"
 #include "dem_server/laws/step_limits.hpp"
 #include "launch/coordinator/describe_elements.hpp"
 #include "launch/coordinator/schemes.hpp"
@@ -76,6 +77,28 @@ JointKind kind(const Joint& joint) {
       return {"distance", 5};
   }
   return {"unknown", 0};
+}
+
+// The bodies in the assemblies of a CAD program, as a tree; empty where the scene has none.
+std::string assemblies_of(const Mbd& mbd) {
+  if (std::ranges::all_of(mbd.bodies, [](const Body& body) { return body.assembly.empty(); })) return {};
+  std::string out = "\nassemblies\n";
+  std::vector<std::string> open;
+  for (const Body& body : mbd.bodies) {
+    std::vector<std::string> path;
+    for (std::size_t at = 0; at < body.assembly.size();) {
+      const std::size_t end = std::min(body.assembly.find('/', at), body.assembly.size());
+      path.push_back(body.assembly.substr(at, end - at));
+      at = end + 1;
+    }
+    std::size_t level = 0;
+    while (level < path.size() && level < open.size() && path[level] == open[level]) ++level;
+    for (; level < path.size(); ++level)
+      out += fmt::format("  {}{}\n", std::string(2 * level, ' '), printable(path[level]));
+    open = path;
+    out += fmt::format("  {}- {}, {:.6g} kg\n", std::string(2 * path.size(), ' '), body.name, body.mass);
+  }
+  return out;
 }
 
 // The criterion of Gruebler and Kutzbach: 6 for each body, less the equations of joints and couplers.
@@ -212,8 +235,9 @@ std::string describe_mbd(const SceneFile& file, const DryRun* started) {
             }},
         force);
   }
-  return bodies.print() + describe_shaped(file) + (scene.contact ? describe_contact(scene) : "") +
-         joints.print() + forces.print() + describe_elements(scene) +
+  return bodies.print() + assemblies_of(mbd) + describe_shaped(file) +
+         (scene.contact ? describe_contact(scene) : "") + joints.print() + forces.print() +
+         describe_elements(scene) +
          fmt::format("\ndegrees of freedom: {}\nfree bodies: {}\n",
                      started ? freedom_of(*started) : freedom_by_counting(mbd), free_bodies);
 }

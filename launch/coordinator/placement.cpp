@@ -30,6 +30,8 @@ bool is_placed(const scene::ParticleGroup& group) {
 std::string region_text(const scene::PackingFill& fill) {
   if (const auto* inside = std::get_if<scene::InsideWall>(&fill.region)) return "inside " + inside->wall;
   if (const auto* above = std::get_if<scene::AboveWall>(&fill.region)) return "above " + above->wall;
+  if (const auto* between = std::get_if<scene::BetweenWalls>(&fill.region))
+    return fmt::format("between {}", fmt::join(between->walls, ", "));
   return std::holds_alternative<scene::Box>(fill.region) ? "in a box" : "in a cylinder";
 }
 

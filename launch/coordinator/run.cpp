@@ -27,6 +27,7 @@
 #include "launch/coordinator/kept_scene.hpp"
 #include "launch/coordinator/progress.hpp"
 #include "launch/coordinator/run_frames.hpp"
+#include "launch/coordinator/show.hpp"
 #include "launch/coordinator/start.hpp"
 #include "launch/coordinator/start_state.hpp"
 #include "launch/coordinator/stopwatch.hpp"
@@ -463,7 +464,8 @@ int run(const RunOptions& given, Controller* controller) {
   if (options.quiet) log::quiet();  // while spheres settle
   const SceneFile file =
       read_scene(options.scene, options.overrides,
-                 SettleOn{options.backend, options.threads, true, !options.sph_server.has_value()});
+                 SettleOn{options.backend, options.threads, true, !options.sph_server.has_value(),
+                          unsettled_picture(options.scene)});
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);

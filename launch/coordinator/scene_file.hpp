@@ -43,6 +43,8 @@ struct SettleOn {
   unsigned threads = 0;
   bool settles = true;  // false: spheres are where they are packed, and no solver is started
   bool fills = true;    // false: the solver of the liquid is another program, which places its particles
+  // Where a picture of spheres that do not settle is left; empty: nowhere.
+  std::filesystem::path picture = {};
 };
 
 struct SceneFile {

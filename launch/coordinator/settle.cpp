@@ -14,6 +14,7 @@
 #include "common/scene/parse.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/coordinator/scene_spheres.hpp"
+#include "launch/coordinator/unsettled.hpp"
 #include "particles/io/fill.hpp"
 
 namespace tandem::launch {
@@ -110,6 +111,18 @@ std::string where_it_left(const protocol::ParticlesFrame& before, const protocol
   return {};
 }
 
+// ". They are drawn in NAME_unsettled.png", or why they are not.
+std::string picture_of(const Unsettled& unsettled, const std::filesystem::path& picture) {
+  if (picture.empty()) return {};
+  try {
+    draw_unsettled(picture, unsettled);
+    return ". They are drawn in " + picture.string();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::interrupted) throw;
+    return ". They are not drawn in " + picture.string() + ": " + error.problem();
+  }
+}
+
 }  // namespace
 
 std::string settling_scene(const std::string& text) {
@@ -133,7 +146,8 @@ std::string settling_scene(const std::string& text) {
     if (group["fill"]["type"] != "inlet") groups.push_back(group);
   dem["particles"] = std::move(groups);
   if (dem.contains("walls"))
-    for (Json& wall : dem["walls"]) wall.erase("surface_velocity");
+    for (Json& wall : dem["walls"])
+      for (const char* key : {"surface_velocity", "color"}) wall.erase(key);
   return scene.dump();
 }
 
@@ -170,12 +184,15 @@ Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleO
                        Nanoseconds{motion.window.end.count + std::llround(window * 1e9)}};
       const protocol::ParticleAccount& account = solver->advance(motion).account;
       const double time = to_seconds(motion.window.end);
-      if (account.lost_particles > 0)
-        throw Error(
-            ErrorCode::scene,
-            fmt::format("{} spheres have left the domain by t = {:.4g} s of settling{}",
-                        account.lost_particles, time, where_it_left(seen, solver->observe(), fill, scene)),
-            where, "close the container for the start, or enlarge dem.domain");
+      if (account.lost_particles > 0) {
+        const protocol::ParticlesFrame now = solver->observe();
+        const Unsettled unsettled{file, scene, fill, seen, settle.kinetic_energy};
+        throw Error(ErrorCode::scene,
+                    fmt::format("{} spheres have left the domain by t = {:.4g} s of settling{}{}",
+                                account.lost_particles, time, where_it_left(seen, now, fill, scene),
+                                picture_of(unsettled, on.picture)),
+                    where, "close the container for the start, or enlarge dem.domain");
+      }
       if (motion.window.index % windows_of_fall == 0) seen = solver->observe();
       energy = account.kinetic_energy / spheres;
       quiet = energy < settle.kinetic_energy ? quiet + 1 : 0;
@@ -191,11 +208,13 @@ Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleO
         last_line = now;
       }
     }
+    const Unsettled unsettled{file, scene, fill, solver->observe(), settle.kinetic_energy};
     throw Error(
         ErrorCode::scene,
         fmt::format("the spheres have not settled after {:.4g} s: their mean kinetic energy is {:.4g} "
-                    "J, and kinetic_energy is {:.4g} J",
-                    settle.at_most, energy, settle.kinetic_energy),
+                    "J, and kinetic_energy is {:.4g} J{}{}",
+                    settle.at_most, energy, settle.kinetic_energy, what_moves(unsettled),
+                    picture_of(unsettled, on.picture)),
         where, "give more time as at_most, or a larger kinetic_energy");
   } catch (const Error& error) {
     if (error.where() == where) throw;

@@ -14,10 +14,8 @@
 #include "sph_server/coupling/liquid_start.hpp"
 
 namespace tandem::launch {
-namespace {
 
-// What the first frame of a run has: bodies at their poses of the scene, spheres as the fills make them.
-Frame start_of(const SceneFile& file) {
+Frame surfaces_at_start(const SceneFile& file) {
   Frame frame;
   for (const BodyMesh& body : body_meshes(file.scene, file.meshes, file.drawn)) {
     const bool fixed = body.body == ground;
@@ -26,6 +24,14 @@ Frame start_of(const SceneFile& file) {
     if (!fixed) surface.frame = placed_frame(body.mesh.vertices, surface.mesh.vertices);
     frame.surfaces.push_back(std::move(surface));
   }
+  return frame;
+}
+
+namespace {
+
+// What the first frame of a run has: bodies at their poses of the scene, spheres as the fills make them.
+Frame start_of(const SceneFile& file) {
+  Frame frame = surfaces_at_start(file);
   const auto add = [&frame](Vec3d p, double radius, std::size_t group) {
     frame.position.insert(frame.position.end(), {p.x, p.y, p.z});
     frame.radius.push_back(radius);
@@ -43,15 +49,58 @@ Frame start_of(const SceneFile& file) {
   return frame;
 }
 
-}  // namespace
-
-void preview(const std::filesystem::path& scene, std::filesystem::path out, const Overrides& overrides) {
+// Throws Error{usage} for a picture that may not be written.
+std::filesystem::path checked_picture(std::filesystem::path out, const std::filesystem::path& otherwise) {
   if (!out.empty() && out.extension() != ".png")
     throw Error(ErrorCode::usage, "'" + out.string() + "' is no name for a picture", "--output",
                 "let it end with .png");
-  if (out.empty()) out = scene.stem().string() + "_preview.png";
+  if (out.empty()) out = otherwise;
   expect_own_or_new(out);
-  const SceneFile file = read_scene(scene, overrides);
+  return out;
+}
+
+}  // namespace
+
+std::filesystem::path unsettled_picture(const std::filesystem::path& scene) {
+  return scene.stem().string() + "_unsettled.png";
+}
+
+void preview_unsettled(const std::filesystem::path& scene, std::filesystem::path out,
+                       const Overrides& overrides) {
+  out = checked_picture(std::move(out), unsettled_picture(scene));
+  SettleOn on;
+  on.picture = out;
+  try {
+    const SceneFile file = read_scene(scene, overrides, on);
+    if (!file.settled)
+      throw Error(ErrorCode::usage, "the scene has no dem.settle: its spheres do not settle before the start",
+                  scene.string(), "add dem.settle, or leave out --unsettled");
+    const particles::Fill fill = spheres_of(file).start;
+    Frame bed = surfaces_at_start(file);
+    ScaleRange range;
+    for (std::size_t i = 0; i < fill.radius.size(); ++i) {
+      bed.position.insert(bed.position.end(), {fill.position[i].x, fill.position[i].y, fill.position[i].z});
+      bed.radius.push_back(fill.radius[i]);
+      bed.value.push_back(norm(fill.velocity[i]));
+    }
+    range.add(bed.value);
+    draw_preview(out, file.scene, bed,
+                 fmt::format("{}   {} spheres at rest", file.scene.name, bed.radius.size()),
+                 range.from_zero("speed [m/s]"));
+    fmt::print(
+        "{}: all spheres settle, in {:.4g} s of simulated time, to a mean kinetic energy of {:.4g} J\n",
+        out.string(), file.settled->time, file.settled->kinetic_energy);
+  } catch (const Error& error) {
+    if (!error.where().ends_with("dem.settle") || !exists(out)) throw;
+    fmt::print("{}: {}\n", out.string(), error.problem());
+  }
+}
+
+void preview(const std::filesystem::path& scene, std::filesystem::path out, const Overrides& overrides) {
+  out = checked_picture(std::move(out), scene.stem().string() + "_preview.png");
+  SettleOn on;
+  on.picture = unsettled_picture(scene);
+  const SceneFile file = read_scene(scene, overrides, on);
   const Frame start = start_of(file);
   std::string title = file.scene.name;
   if (!start.radius.empty())

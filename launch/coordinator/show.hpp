@@ -4,9 +4,22 @@
 #include <filesystem>
 
 #include "launch/coordinator/options.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "launch/report/frame.hpp"
 #include "launch/report/movie.hpp"
 
 namespace tandem::launch {
+
+// Bodies and walls at their poses of the scene.
+Frame surfaces_at_start(const SceneFile& file);
+
+// NAME_unsettled.png in the working folder, for SCENE/NAME.json.
+std::filesystem::path unsettled_picture(const std::filesystem::path& scene);
+
+// The spheres of a scene while they settle before the start, in the colours of their speeds: as they are when
+// they have settled, or when they have had the time for it. Prints which move, and where.
+void preview_unsettled(const std::filesystem::path& scene, std::filesystem::path out,
+                       const Overrides& overrides = {});
 
 // The start of a scene as a picture in `out`; empty: NAME_preview.png in the working folder. Throws the
 // errors of the scene and of its files.

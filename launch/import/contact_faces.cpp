@@ -1,10 +1,14 @@
 #include "launch/import/contact_faces.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "common/error.hpp"
+#include "common/utf8.hpp"
 #include "launch/import/step_frames.hpp"
 
 namespace tandem::launch {
@@ -180,7 +184,10 @@ void fit_planes(const std::vector<PlaneFace>& planes_a, const std::vector<PlaneF
 
 }  // namespace
 
-std::vector<FittingFaces> fitting_faces(const StepFile& step) {
+// Their faces are compared within some minutes.
+constexpr std::size_t most_near = 1'000'000;
+
+std::vector<FittingFaces> fitting_faces(const StepFile& step, const std::string& where) {
   std::vector<Bounds> bounds;
   std::vector<std::vector<Ring>> rings;
   for (const StepPart& part : step.parts) {
@@ -203,7 +210,16 @@ std::vector<FittingFaces> fitting_faces(const StepFile& step) {
       const StepProduct& other = step.products[step.parts[order[k]].product];
       if (bounds[order[k]].low.x > bounds[order[i]].high.x + 0.02 * one.size()) break;
       if (one.unit.mass == 0 || other.unit.mass == 0) continue;
-      if (bounds[a].meets(bounds[b], 0.02 * std::min(one.size(), other.size()))) near.emplace_back(a, b);
+      if (!bounds[a].meets(bounds[b], 0.02 * std::min(one.size(), other.size()))) continue;
+      if (near.size() == most_near)
+        throw Error(
+            ErrorCode::scene,
+            fmt::format("more than {} pairs of its {} parts are so near that they may touch, such as '{}' "
+                        "and '{}': the parts lie in each other",
+                        most_near, step.parts.size(), printable(shortened(step.parts[a].name())),
+                        printable(shortened(step.parts[b].name()))),
+            where, "export each part once, at its place, or fewer parts");
+      near.emplace_back(a, b);
     }
   std::ranges::sort(near);
   std::vector<FittingFaces> found;

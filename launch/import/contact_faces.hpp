@@ -1,6 +1,7 @@
 // Faces of two parts that fit: a pin in a hole, or plane on plane.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "launch/import/step_file.hpp"
@@ -22,6 +23,7 @@ struct FittingFaces {
 
 // All pairs of parts, in the order of the parts. Two axes are one within 1e-4 rad and 1/1000 of the radius,
 // two radii are equal within 1/200, and two planes are one within 1e-3 rad and 1/10000 of the smaller part.
-std::vector<FittingFaces> fitting_faces(const StepFile& step);
+// Throws Error{scene} at `where`, the file, where more than a million pairs of parts are near each other.
+std::vector<FittingFaces> fitting_faces(const StepFile& step, const std::string& where);
 
 }  // namespace tandem::launch

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -72,7 +74,24 @@ class SceneOfStep {
               {"orientation", list(body.pose.q_WB)},
               {"shapes", Json::array()}};
     for (const std::size_t i : body.parts) json["shapes"].push_back(shape_of(body, i));
+    const StepPart& heaviest = import_.step.parts[body.parts.front()];
+    if (heaviest.colour) {
+      json["color"] = Json::array();
+      for (const double share : *heaviest.colour) json["color"].push_back(std::round(255 * share) / 255);
+    }
+    if (std::string assembly = assembly_of(heaviest); !assembly.empty())
+      json["assembly"] = std::move(assembly);
     return json;
+  }
+
+  static std::string assembly_of(const StepPart& part) {
+    std::string path;
+    for (std::size_t i = 0; i + 1 < part.path.size(); ++i) {
+      std::string name = printable(shortened(part.path[i]));
+      std::ranges::replace(name, '/', '_');
+      path += (i > 0 ? "/" : "") + name;
+    }
+    return path.size() > 1000 ? std::string() : path;
   }
 
   Json shape_of(const StepBody& body, std::size_t i) {
@@ -139,7 +158,7 @@ Imported import_step(const ImportOptions& given) {
         "{} entities of the file, which OpenCASCADE could not read; the first: {}. Compare the parts and "
         "their masses with those of the CAD program",
         import.step.faults, printable(shortened(import.step.first_fault))));
-  const std::vector<FittingFaces> fits = fitting_faces(import.step);
+  const std::vector<FittingFaces> fits = fitting_faces(import.step, options.model.string());
   import.bodies = bodies_of(import.step, fits, options, notes);
   if (import.bodies.bodies.empty())
     throw Error(ErrorCode::scene, "no part has a solid, only surfaces or curves", options.model.string(),

@@ -21,7 +21,16 @@ double overlay_height(const PictureSize& size) {
   return std::clamp(size.height, PictureSize{}.height / 2, PictureSize{}.height);
 }
 
-void draw_surfaces(PovWriter& pov, const Frame& frame, const std::vector<LegendEntry>& legend, Vec3d eye) {
+Vec3d ground_colour(const Surface& surface, const scene::Scene& scene) {
+  if (!surface.name.starts_with(coloured_wall)) return ground_tint;
+  const std::string name = surface.name.substr(coloured_wall.size());
+  for (const scene::Wall& wall : scene.walls())
+    if (wall.name == name && wall.colour) return *wall.colour;
+  return ground_tint;
+}
+
+void draw_surfaces(PovWriter& pov, const Frame& frame, const scene::Scene& scene,
+                   const std::vector<LegendEntry>& legend, Vec3d eye) {
   const std::vector<Vec3d> points = points_to_see(frame);
   for (const Surface& surface : frame.surfaces) {
     if (surface.mesh.triangles.empty()) continue;
@@ -31,7 +40,7 @@ void draw_surfaces(PovWriter& pov, const Frame& frame, const std::vector<LegendE
       continue;
     }
     count_hidden(patches, surface.mesh, points, eye);
-    Vec3d tint = ground_tint;
+    Vec3d tint = ground_colour(surface, scene);
     if (!surface.fixed) {
       const auto entry = std::ranges::find(legend, surface.name, &LegendEntry::name);
       tint = entry == legend.end() ? body_colour(0) : entry->colour;
@@ -46,7 +55,7 @@ std::vector<LegendEntry> body_legend(const scene::Scene& scene) {
   std::vector<LegendEntry> entries;
   if (scene.mbd)
     for (std::size_t i = 0; i < scene.mbd->bodies.size(); ++i)
-      entries.push_back({scene.mbd->bodies[i].name, body_colour(i)});
+      entries.push_back({scene.mbd->bodies[i].name, scene.mbd->bodies[i].colour.value_or(body_colour(i))});
   return entries;
 }
 
@@ -57,7 +66,7 @@ void write_pov(std::ostream& out, const Frame& frame, const scene::Scene& scene,
   pov.spheres(frame);
   if (frame.liquid_surface) pov.liquid(*frame.liquid_surface);
   const std::vector<LegendEntry> legend = body_legend(scene);
-  draw_surfaces(pov, frame, legend, view.camera.eye);
+  draw_surfaces(pov, frame, scene, legend, view.camera.eye);
   pov.elements(element_rods(scene, frame, pov.size()));
   pov.arrows(belt_arrows(scene, frame));
   for (const Region& region : more.regions)

@@ -46,7 +46,10 @@ std::vector<Label> labels_of(const scene::Scene& scene, const Frame& start) {
       for (const Vec3d& vertex : surface.mesh.vertices) middle += vertex;
       middle = (1.0 / static_cast<double>(surface.mesh.vertices.size())) * middle;
     }
-    labels.push_back({.at = middle, .words = body.name, .colour = body_colour(i), .is_point = false});
+    labels.push_back({.at = middle,
+                      .words = body.name,
+                      .colour = body.colour.value_or(body_colour(i)),
+                      .is_point = false});
   }
   add_regions();
   for (const scene::Joint& joint : scene.mbd->joints)
@@ -55,7 +58,7 @@ std::vector<Label> labels_of(const scene::Scene& scene, const Frame& start) {
 }
 
 void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, const Frame& start,
-                  const std::string& title) {
+                  const std::string& title, const std::optional<ColourScale>& scale) {
   if (start.empty())
     throw Error(ErrorCode::usage, "the scene starts without spheres, walls and bodies", scene.name,
                 "there is nothing to draw");
@@ -76,6 +79,7 @@ void draw_preview(const std::filesystem::path& out, const scene::Scene& scene, c
   if (scene.dem)
     for (const scene::ParticleGroup& group : scene.dem->particles) view.scale.names.push_back(group.name);
   if (scene.sph) view.scale.names.push_back(scene.sph->liquids.front().name);
+  if (scale) view.scale = *scale;
   PictureText more{.labels = labels_of(scene, start), .regions = regions, .extents = true};
   if (more.labels.size() > most_with_joints)
     std::erase_if(more.labels, [](const Label& label) { return label.is_point; });

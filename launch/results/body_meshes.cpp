@@ -112,11 +112,12 @@ TriangleMesh inertia_box(const scene::Body& body) {
   return mesh;
 }
 
+// Walls of the ground with a colour of their own are surfaces for themselves.
 TriangleMesh walls_of(BodyId body, const scene::Scene& scene,
                       const std::vector<protocol::NamedMesh>& meshes) {
   TriangleMesh mesh;
   for (const scene::Wall& wall : scene.walls()) {
-    if (wall.body == body) append(mesh, wall_mesh(wall, scene, meshes, round_segments));
+    if (wall.body == body && !wall.colour) append(mesh, wall_mesh(wall, scene, meshes, round_segments));
   }
   return mesh;
 }
@@ -224,6 +225,10 @@ std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<p
   if (TriangleMesh mesh = walls_of(ground, scene, meshes); !mesh.triangles.empty()) {
     all.push_back({ground, scene.body_name(ground), std::move(mesh)});
   }
+  for (const scene::Wall& wall : scene.walls())
+    if (wall.colour)
+      if (TriangleMesh mesh = wall_mesh(wall, scene, meshes, round_segments); !mesh.triangles.empty())
+        all.push_back({ground, coloured_wall + wall.name, std::move(mesh)});
   const std::size_t bodies = scene.mbd ? scene.mbd->bodies.size() : 0;
   for (std::uint32_t i = 0; i < bodies; ++i) {
     TriangleMesh mesh = walls_of({i}, scene, meshes);
@@ -237,8 +242,8 @@ std::vector<BodyMesh> body_meshes(const scene::Scene& scene, const std::vector<p
     if (shape.body == ground) append(road, shape.mesh);
   append_planes(scene, all, road);
   if (!road.triangles.empty()) {
-    const bool has_walls = !all.empty() && all.front().body == ground;
-    all.insert(all.begin() + (has_walls ? 1 : 0), {ground, contact_ground, std::move(road)});
+    const auto bodies_from = std::ranges::find_if(all, [](const BodyMesh& m) { return m.body != ground; });
+    all.insert(bodies_from, {ground, contact_ground, std::move(road)});
   }
   return all;
 }

@@ -40,10 +40,11 @@ struct Start {
   bool files_only = false;
 
   SceneFile read(const std::string& path) const {
-    return read_scene(
-        path, options.overrides,
-        SettleOn{
-            .backend = options.backend, .settles = !files_only, .fills = !options.sph_server.has_value()});
+    return read_scene(path, options.overrides,
+                      SettleOn{.backend = options.backend,
+                               .settles = !files_only,
+                               .fills = !options.sph_server.has_value(),
+                               .picture = unsettled_picture(path)});
   }
   std::optional<DryRun> run(const SceneFile& file) {
     if (files_only) return {};
@@ -126,7 +127,13 @@ void add_preview(CLI::App& app) {
   verb->add_option("-o,--output", *out, "Picture (PNG); without it SCENE_preview.png, here");
   auto overrides = std::make_shared<Overrides>();
   add_set(*verb, overrides->set);
-  verb->callback([=] { preview(*scene, *out, *overrides); });
+  auto unsettled = std::make_shared<bool>(false);
+  verb->add_flag(
+      "--unsettled", *unsettled,
+      "Draw the spheres as they settle before the start, in the colours of their speeds, and say which "
+      "do not come to rest; without -o SCENE_unsettled.png");
+  verb->callback(
+      [=] { *unsettled ? preview_unsettled(*scene, *out, *overrides) : preview(*scene, *out, *overrides); });
 }
 
 void add_modes(CLI::App& app) {

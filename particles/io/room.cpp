@@ -9,74 +9,15 @@
 #include "common/scene/fault.hpp"
 #include "common/scene/shape_mesh.hpp"
 #include "particles/io/overlaps.hpp"
+#include "particles/io/room_meshes.hpp"
 #include "particles/io/sphere_neighbours.hpp"
 
 namespace tandem::particles {
+
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-// Of round walls and regions, for what is inside. Walls themselves are exact.
-constexpr int segments = 256;
 constexpr int columns_along = 512;
-
-// The closed surface of a wall as triangles in its own frame: open faces are closed. Empty for a plane and
-// for a cylinder without a height.
-TriangleMesh closed_mesh(const scene::Wall& wall, const std::vector<NamedMesh>& meshes) {
-  if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) return box_mesh(box->size);
-  if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape))
-    return cylinder->height
-               ? cylinder_mesh(cylinder->radius, *cylinder->height, cylinder->segments.value_or(segments))
-               : TriangleMesh{};
-  if (const auto* sphere = std::get_if<scene::SphereShape>(&wall.shape))
-    return sphere_mesh(sphere->radius, segments);
-  if (std::holds_alternative<scene::MeshShape>(wall.shape))
-    for (const NamedMesh& mesh : meshes)
-      if (mesh.name == wall.name) return mesh.mesh;
-  return {};
-}
-
-bool has_open_faces(const scene::Wall& wall) {
-  if (const auto* box = std::get_if<scene::BoxShape>(&wall.shape)) return !box->open.empty();
-  if (const auto* cylinder = std::get_if<scene::CylinderShape>(&wall.shape)) return !cylinder->open.empty();
-  return false;
-}
-
-Pose pose_of(const scene::Wall& wall, const scene::Scene& scene) {
-  const Pose body = start_pose(wall.body, scene);
-  return {body.p_WB + body.q_WB.rotate(wall.pose.p_WB), body.q_WB * wall.pose.q_WB};
-}
-
-TriangleMesh placed(TriangleMesh mesh, const Pose& pose, const GravityFrame& frame) {
-  mesh = transformed(std::move(mesh), pose);
-  for (Vec3d& vertex : mesh.vertices) vertex = frame.local(vertex);
-  return mesh;
-}
-
-const scene::Wall& wall_named(const scene::Scene& scene, const std::string& name) {
-  return *std::ranges::find(scene.dem->walls, name, &scene::Wall::name);
-}
-
-GravityFrame frame_of(const scene::Scene& scene, const Pose& container) {
-  const double strength = norm(scene.gravity);
-  const Vec3d up = strength > 0 ? (-1 / strength) * scene.gravity : Vec3d{0, 0, 1};
-  Vec3d x = container.q_WB.rotate({1, 0, 0});
-  if (std::abs(dot(x, up)) > 0.8) x = container.q_WB.rotate({0, 1, 0});
-  x = normalized(x - dot(x, up) * up);
-  const Vec3d y = cross(up, x);
-  return {container.p_WB, {{{x.x, y.x, up.x}, {x.y, y.y, up.y}, {x.z, y.z, up.z}}}};
-}
-
-// Box or cylinder of the world in the gravity frame.
-TriangleMesh region_mesh(const decltype(scene::PackingFill::region)& region, const GravityFrame& frame) {
-  if (const auto* box = std::get_if<scene::Box>(&region))
-    return placed(box_mesh(box->max - box->min), {0.5 * (box->min + box->max), {}}, frame);
-  const auto& cylinder = std::get<scene::CylinderRegion>(region);
-  const Vec3d axis = cylinder.to - cylinder.from, z = normalized(axis);
-  // The rotation from the z axis to the axis; half a turn where they are opposite.
-  const Quat q = z.z > -1 + 1e-12 ? Quat{1 + z.z, -z.y, z.x, 0}.normalized() : Quat{0, 1, 0, 0};
-  return placed(cylinder_mesh(cylinder.radius, norm(axis), segments),
-                {0.5 * (cylinder.from + cylinder.to), q}, frame);
-}
 
 }  // namespace
 
@@ -90,15 +31,15 @@ Room::Room(const scene::Scene& scene, std::size_t group, const Surface& surface,
   std::string_view container;
   if (const auto* inside = std::get_if<scene::InsideWall>(&region_)) {
     container = inside->wall;
-    const scene::Wall& wall = wall_named(scene, inside->wall);
-    const Pose pose = pose_of(wall, scene);
-    frame_ = frame_of(scene, pose);
-    TriangleMesh mesh = closed_mesh(wall, meshes);
+    const scene::Wall& wall = room::wall_named(scene, inside->wall);
+    const Pose pose = room::pose_of(wall, scene);
+    frame_ = room::frame_of(scene, pose);
+    TriangleMesh mesh = room::closed_mesh(wall, meshes);
     if (mesh.triangles.empty())
       throw Error(ErrorCode::scene, "the wall '" + wall.name + "' does not end on all sides",
                   where_ + ".region.wall",
                   "name a closed wall, or give a region of type 'box' or 'cylinder'");
-    mesh = placed(std::move(mesh), pose, frame_);
+    mesh = room::placed(std::move(mesh), pose, frame_);
     const double above_origin = dot(frame_.origin, frame_.to_world * Vec3d{0, 0, 1});
     const double open = lowest_open_edge(mesh), level = fill.level ? *fill.level - above_origin : infinite;
     if (open < level)
@@ -107,25 +48,45 @@ Room::Room(const scene::Scene& scene, std::size_t group, const Surface& surface,
                       scene::rounded(open + above_origin) + " m" +
                       (fill.level ? ", below the level of " + scene::text(*fill.level) + " m" : ""),
                   where_ + ".region.wall",
-                  fill.level ? "give a level below its openings, or close them"
-                             : "give a level below its openings, as a distance above the world's origin");
+                  std::string(fill.level ? "give a level below its openings, or close them"
+                                         : "give a level below its openings, as a distance above the world's "
+                                           "origin") +
+                      "; a region of type 'above' fills a funnel down to its mouth");
     boundary_.emplace(std::move(mesh));
     low_ = boundary_->low();
     high_ = boundary_->high();
     high_.z = std::min(high_.z, level);
   } else if (const auto* above = std::get_if<scene::AboveWall>(&region_)) {
-    frame_ = frame_of(scene, {});
-    const scene::Wall& wall = wall_named(scene, above->wall);
-    TriangleMesh mesh = closed_mesh(wall, meshes);
-    if (mesh.triangles.empty() || has_open_faces(wall))
-      throw Error(ErrorCode::scene, "the wall '" + wall.name + "' has no surface of triangles or is open",
-                  where_ + ".region.wall", "name a height field, a mesh or a closed shape");
-    boundary_.emplace(placed(std::move(mesh), pose_of(wall, scene), frame_));
-    low_ = {above->min[0], above->min[1], boundary_->low().z};
-    high_ = {above->max[0], above->max[1], boundary_->high().z + above->height};
+    frame_ = room::frame_of(scene, {});
+    const scene::Wall& wall = room::wall_named(scene, above->wall);
+    TriangleMesh mesh = room::surface_mesh(wall, meshes);
+    if (mesh.triangles.empty())
+      throw Error(ErrorCode::scene, "the wall '" + wall.name + "' does not end on all sides",
+                  where_ + ".region.wall", "name a height field, a mesh, a cone or another shape that ends");
+    boundary_.emplace(
+        room::with_closed_mouths(room::placed(std::move(mesh), room::pose_of(wall, scene), frame_)));
+    low_ = boundary_->low();
+    high_ = boundary_->high();
+    high_.z = above->height ? high_.z + *above->height : *fill.level;
+    if (above->min)
+      for (int a = 0; a < 2; ++a) {
+        low_[a] = (*above->min)[static_cast<std::size_t>(a)];
+        high_[a] = (*above->max)[static_cast<std::size_t>(a)];
+      }
+  } else if (const auto* between = std::get_if<scene::BetweenWalls>(&region_)) {
+    frame_ = room::frame_of(scene, {});
+    boundary_.emplace(room::hull_of(between->walls, scene, meshes, frame_, where_));
+    low_ = boundary_->low();
+    high_ = boundary_->high();
+    if (fill.level) high_.z = std::min(high_.z, *fill.level);
+    for (const auto& t : boundary_->mesh().triangles) {
+      const Vec3d a = boundary_->mesh().vertices[t[0]], b = boundary_->mesh().vertices[t[1]],
+                  c = boundary_->mesh().vertices[t[2]];
+      faces_.push_back({a, normalized(cross(b - a, c - a))});
+    }
   } else {
-    frame_ = frame_of(scene, {});
-    boundary_.emplace(region_mesh(region_, frame_));
+    frame_ = room::frame_of(scene, {});
+    boundary_.emplace(room::region_mesh(region_, frame_));
     low_ = boundary_->low();
     high_ = boundary_->high();
     if (fill.level) high_.z = std::min(high_.z, *fill.level);
@@ -147,15 +108,15 @@ void Room::find_solids(const scene::Scene& scene, const std::vector<NamedMesh>& 
                        std::string_view container) {
   for (const scene::Wall& wall : scene.dem->walls) {
     if (wall.name == container) continue;
-    const Pose pose = pose_of(wall, scene);
+    const Pose pose = room::pose_of(wall, scene);
     if (const auto* plane = std::get_if<scene::PlaneShape>(&wall.shape)) {
       planes_.push_back({frame_.local(pose.p_WB + pose.q_WB.rotate(plane->point)),
                          frame_.to_world.transpose_times(pose.q_WB.rotate(plane->normal))});
       continue;
     }
-    TriangleMesh mesh = closed_mesh(wall, meshes);
-    if (mesh.triangles.empty() || has_open_faces(wall)) continue;
-    mesh = placed(std::move(mesh), pose, frame_);
+    TriangleMesh mesh = room::closed_mesh(wall, meshes);
+    if (mesh.triangles.empty() || room::has_open_faces(wall)) continue;
+    mesh = room::placed(std::move(mesh), pose, frame_);
     if (lowest_open_edge(mesh) < infinite) continue;
     VerticalCrossings solid(std::move(mesh));
     bool around = !std::holds_alternative<scene::AboveWall>(region_);
@@ -168,17 +129,22 @@ void Room::find_solids(const scene::Scene& scene, const std::vector<NamedMesh>& 
   }
 }
 
-double Room::top(double x, double y) const {
+double Room::ground(double x, double y) const {
   double highest = -infinite;
   boundary_->for_crossings(x, y, [&](double z) { highest = std::max(highest, z); });
-  return highest + std::get<scene::AboveWall>(region_).height;
+  return highest;
+}
+
+double Room::top(double x, double y) const {
+  const std::optional<double>& height = std::get<scene::AboveWall>(region_).height;
+  return height ? ground(x, y) + *height : high_.z;
 }
 
 bool Room::in_region(Vec3d p) const {
-  if (const auto* above = std::get_if<scene::AboveWall>(&region_)) {
+  if (std::holds_alternative<scene::AboveWall>(region_)) {
     if (p.x < low_.x || p.x > high_.x || p.y < low_.y || p.y > high_.y) return false;
-    const double limit = top(p.x, p.y);
-    return p.z < limit && p.z > limit - above->height && p.z <= high_.z;
+    const double below = ground(p.x, p.y);
+    return std::isfinite(below) && p.z > below && p.z < top(p.x, p.y) && p.z <= high_.z;
   }
   return p.z <= high_.z && boundary_->is_inside(p);
 }
@@ -284,6 +250,10 @@ Vec3d Room::into_region(Vec3d p, double radius) const {
     p.x = std::max(low_.x + radius, std::min(high_.x - radius, p.x));
     p.y = std::max(low_.y + radius, std::min(high_.y - radius, p.y));
     if (const double limit = top(p.x, p.y); std::isfinite(limit)) p.z = std::min(p.z, limit - radius);
+  } else if (std::holds_alternative<scene::BetweenWalls>(region_)) {
+    for (const scene::PlaneShape& face : faces_)
+      if (const double beyond = dot(face.normal, p - face.point) + radius; beyond > 0)
+        p = p - beyond * face.normal;
   }
   return p;
 }

@@ -9,19 +9,10 @@
 #include "common/scene/model.hpp"
 #include "particles/base/thread_pool.hpp"
 #include "particles/geometry/surface.hpp"
+#include "particles/io/room_meshes.hpp"
 #include "particles/io/vertical_crossings.hpp"
 
 namespace tandem::particles {
-
-// A frame whose z axis points against gravity. Its origin and its other axes are those of the wall for a
-// region inside a wall, so that a scene that is rotated as a whole gets the same packing; otherwise those of
-// the world.
-struct GravityFrame {
-  Vec3d origin;
-  Mat3d to_world;  // columns are the axes of the frame
-  Vec3d world(Vec3d p) const { return origin + to_world * p; }
-  Vec3d local(Vec3d p) const { return to_world.transpose_times(p - origin); }
-};
 
 // All positions are in the gravity frame.
 class Room {
@@ -61,7 +52,8 @@ class Room {
   bool in_region(Vec3d p) const;
   Vec3d into_region(Vec3d p, double radius) const;
   Vec3d moved_once(Vec3d p, double radius, bool& again) const;
-  double top(double x, double y) const;  // of the bed above a wall
+  double ground(double x, double y) const;  // the highest point of the wall below a bed
+  double top(double x, double y) const;     // of the bed above it
   template <class F>
   void for_walls(Vec3d world, double radius, F f) const;
 
@@ -73,6 +65,7 @@ class Room {
   std::optional<VerticalCrossings> boundary_;  // of the region; of the wall below it for a bed
   std::vector<VerticalCrossings> solids_;
   std::vector<scene::PlaneShape> planes_;  // in the gravity frame
+  std::vector<scene::PlaneShape> faces_;   // of the room between walls, with normals outwards
   Vec3d low_, high_;
   std::vector<Interval> intervals_;  // of the columns that are in the room
   double column_area_ = 0;           // [m2]

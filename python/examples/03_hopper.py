@@ -3,17 +3,16 @@ import tandem as td
 
 s = td.Scene("hopper", end_time=.7, window=2e-3, frame_interval=.05, description="Beads run through the slot of a hopper.")
 mouth = s.parameter("mouth", .05, unit="m", min=.02, max=.1)       # width of the slot
-s.parameter("pitch", 60, unit="deg", min=20, max=80)               # of the two plates
-s.parameter("plate", .12, unit="m")                                # their length
+s.parameter("width", .17, unit="m")                                # of the bin
+s.parameter("rise", .1, unit="m")                                  # of the two plates below it
 glass = s.material("glass", density=2500, young=1.5e8, friction=.4, restitution=.5)
-for side, sign in (("left", "-"), ("right", "")):
-    s.box(side, ("=plate", .08, .004), material=glass,
-          at=(f"={sign}(mouth/2 + plate/2*cos(pitch) + 0.002*sin(pitch))", 0, "=plate/2*sin(pitch) - 0.002*cos(pitch)"),
-          orientation={"axis": [0, 1, 0], "angle": "=pitch" if sign else "=-pitch"})
-    s.plane(f"{side}_side", at=(f"={sign}(mouth/2 + plate*cos(pitch))", 0, 0), normal="x" if sign else "-x", material=glass)
+for side, sign, heights in (("left", "-", ["=rise", 0]), ("right", "", [0, "=rise"])):
+    s.wall(side, shape={"type": "height_field", "size": ["=(width - mouth)/2", .07], "heights": [heights, heights]},
+           at=(f"={sign}(width + mouth)/4", 0, 0), material=glass)
+s.box("bin", ("=width", .07, .2), at=(0, 0, "=rise + 0.1"), open=["+y", "-y", "+z", "-z"], material=glass)
 s.plane("front", at=(0, -.035, 0), normal="y", material=glass)
 s.plane("back", at=(0, .035, 0), normal="-y", material=glass)
-s.lattice(glass, (-.075, -.034, .13), (.075, .034, .42), radius=(.0055, .0065), seed=1)
+s.fill({"type": "between", "walls": ["left", "right", "bin"]}, glass, radius=(.0055, .0065), level="=rise + 0.15")
 s.sensor("mouth", box=(.3, .08, .03), at=(0, 0, -.025), flow="z")
 s.outlet("below", below=-.1)
 s.domain((-.3, -.04, -.2), (.3, .04, .6))

@@ -175,9 +175,9 @@ def bounds_in(shape: dict, position: Any, orientation: Any) -> Optional[Tuple[An
     return placed.min(axis=0), placed.max(axis=0)
 
 
-def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=None, open=None, made_at=None) -> Optional[dict]:
+def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=None, open=None, made_at=None, cone=None) -> Optional[dict]:
     """The one shape that the arguments describe, or None."""
-    given = [name for name, value in dict(mesh=mesh, box=box, sphere=sphere, cylinder=cylinder, shape=shape).items()
+    given = [name for name, value in dict(mesh=mesh, box=box, sphere=sphere, cylinder=cylinder, cone=cone, shape=shape).items()
              if value is not None]
     if len(given) > 1:
         raise SceneError(" and ".join(f"{name}=" for name in given) + " are given", hint="give one shape", made_at=made_at)
@@ -193,6 +193,9 @@ def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=
     elif cylinder is not None:
         radius, height = cylinder
         result = {"type": "cylinder", "radius": plain(radius), "height": plain(height)}
+    elif cone is not None:
+        low, high, height = cone
+        result = {"type": "cone", "radius": plain(low), "top_radius": plain(high), "height": plain(height), "segments": 64}
     elif shape is not None:
         result = dict(plain(shape))
     else:

@@ -25,14 +25,14 @@ class Grains:
         return self.add("dem.pairs", a=a, b=b, **keys)
 
     def wall(self, name: str, *, material: Any, body: Any = None, mesh=None, scale=None, box=None, sphere=None, cylinder=None,
-             shape: Optional[dict] = None, at: Sequence[Any] = None, orientation: Any = None, open: Union[str, Sequence[str], None] = None,
+             cone=None, shape: Optional[dict] = None, at: Sequence[Any] = None, orientation: Any = None, open: Union[str, Sequence[str], None] = None,
              **keys: Any) -> Wall:
         """A wall for the particles, on the ground or on a body: mesh= file, box=(x, y, z), sphere=radius, cylinder=(radius, height) about
-        z, or shape={...}. `at` and `orientation` are those of the shape, in the frame of the body; `open` lists faces that are left out:
+        z, cone=(lower radius, upper radius, height) about z in 64 flat faces, or shape={...}. `at` and `orientation` are those of the shape, in the frame of the body; `open` lists faces that are left out:
         "+z" or ["+z", "-x"]. surface_velocity=(1, 0, 0) makes it a conveyor belt."""
-        found = geometry.shape_of(mesh, scale, box, sphere, cylinder, shape, open)
+        found = geometry.shape_of(mesh, scale, box, sphere, cylinder, shape, open, cone=cone)
         if found is None:
-            raise SceneError("has no shape", f"wall '{name}'", "give mesh=, box=, sphere=, cylinder= or shape=")
+            raise SceneError("has no shape", f"wall '{name}'", "give mesh=, box=, sphere=, cylinder=, cone= or shape=")
         return self.add("dem.walls", name=name, body=None if body in (None, "ground") else body, material=material, position=at,
                         orientation=geometry.quaternion(orientation), shape=found, **keys)
 
@@ -56,7 +56,7 @@ class Grains:
         """Fills a region with spheres at random places, without overlaps.
 
         region   a closed wall or its name (a box or cylinder with open faces counts as closed), a shape of a body by its name, a region
-                 such as {"type": "box", "min": [...], "max": [...]}, or a pair of corners ((x, y, z), (x, y, z))
+                 such as {"type": "above", "wall": "cone"} with a level or {"type": "between", "walls": ["left", "right"]}, or a pair of corners ((x, y, z), (x, y, z))
         radius   [m]: a number, a pair (smallest, largest), or a distribution: td.normal, td.log_normal, td.sieve
         height   [m] of the fill above the lowest point of the wall; or `level` above the world's origin; or `mass` [kg]; or `count`;
                  without any, the region is filled up

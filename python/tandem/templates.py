@@ -8,7 +8,7 @@ from typing import List, Optional
 from tandem.entries import SceneError, nearest
 from tandem.scenes import Scene
 
-__all__ = ["hopper", "conveyor", "chute", "tank", "mixer", "bucket", "linkage"]
+__all__ = ["hopper", "round_hopper", "conveyor", "chute", "tank", "mixer", "bucket", "linkage"]
 
 
 def _parameters(s: Scene, **keys) -> None:
@@ -29,24 +29,41 @@ def _radii():
 def hopper() -> Scene:
     """A hopper with a slot, and a sensor of the flow through it.
 
-    mouth, pitch (of the plates from the horizontal), plate (their length), depth, height (of the fill above the plates); radius, friction,
+    mouth (of the slot), width (of the bin), rise (height of the two plates), depth, height (of the fill above the plates); radius, friction,
     density, young of the grains. Result: mouth.flow, mouth.passed."""
     s = Scene("hopper", end_time=1, window=2e-3, frame_interval=.05, description="Grains run through the slot of a hopper.")
-    _parameters(s, mouth=(.05, "m"), pitch=(60, "deg"), plate=(.12, "m"), depth=(.08, "m"), height=(.3, "m"))
+    _parameters(s, mouth=(.05, "m"), width=(.17, "m"), rise=(.1, "m"), depth=(.08, "m"), height=(.15, "m"))
     grain = _material(s, .006)
-    for side, sign in (("left", "-"), ("right", "")):
-        s.box(side, ("=plate", "=depth", .004), material=grain,
-              at=(f"={sign}(mouth/2 + plate/2*cos(pitch) + 0.002*sin(pitch))", 0, "=plate/2*sin(pitch) - 0.002*cos(pitch)"),
-              orientation={"axis": [0, 1, 0], "angle": "=pitch" if sign else "=-pitch"})
-        s.plane(f"{side}_side", at=(f"={sign}(mouth/2 + plate*cos(pitch))", 0, 0), normal="x" if sign else "-x", material=grain)
+    for side, sign, heights in (("left", "-", ["=rise", 0]), ("right", "", [0, "=rise"])):
+        s.wall(side, shape={"type": "height_field", "size": ["=(width - mouth)/2", "=depth"], "heights": [heights, heights]},
+               at=(f"={sign}(width + mouth)/4", 0, 0), material=grain)
+    s.box("bin", ("=width", "=depth", "=1.2*height"), at=(0, 0, "=rise + 0.6*height"), open=["+y", "-y", "+z", "-z"], material=grain)
     s.plane("front", at=(0, "=-depth/2", 0), normal="y", material=grain)
     s.plane("back", at=(0, "=depth/2", 0), normal="-y", material=grain)
-    wide, high = "mouth/2 + plate*cos(pitch) - 1.2*radius", "plate*sin(pitch) + 2*radius"
-    s.lattice(grain, (f"=-({wide})", "=-depth/2 + 1.2*radius", f"={high}"), (f"={wide}", "=depth/2 - 1.2*radius", f"={high} + height"),
-              radius=_radii(), spacing="=2.3*radius")
-    s.sensor("mouth", box=("=2*mouth + 0.1", "=depth", "=5*radius"), at=(0, 0, "=-4*radius"), flow="z")
+    s.fill({"type": "between", "walls": ["left", "right", "bin"]}, grain, radius=_radii(), level="=rise + height")
+    return _flow_out(s, ("=2*width", "=depth", "=5*radius"))
+
+
+def round_hopper() -> Scene:
+    """A cone below a round bin, and a sensor of the flow through its mouth.
+
+    mouth, diameter (of the bin), rise (height of the cone), height (of the fill above the cone); radius, friction, density, young of the grains.
+    Result: mouth.flow, mouth.passed."""
+    s = Scene("round_hopper", end_time=1, window=2e-3, frame_interval=.05, description="Grains run out of a cone.")
+    _parameters(s, mouth=(.06, "m"), diameter=(.16, "m"), rise=(.07, "m"), height=(.1, "m"))
+    grain = _material(s, .006)
+    s.wall("cone", cone=("=mouth/2", "=diameter/2", "=rise"), at=(0, 0, "=rise/2"), open=["+z", "-z"], material=grain)
+    s.wall("bin", cylinder=("=diameter/2", "=1.2*height"), at=(0, 0, "=rise + 0.6*height"), open=["+z", "-z"], material=grain)
+    s.fill({"type": "above", "wall": "cone"}, grain, radius=_radii(), level="=rise + height")
+    return _flow_out(s, ("=2*diameter", "=2*diameter", "=5*radius"))
+
+
+def _flow_out(s: Scene, box) -> Scene:
+    """A sensor of the flow below a mouth at z = 0, and an outlet below it."""
+    wide, deep, _ = (size.lstrip("=") for size in box)
+    s.sensor("mouth", box=box, at=(0, 0, "=-4*radius"), flow="z")
     s.outlet("below", below="=-16*radius")
-    s.domain(("=-2*(mouth + plate)", "=-depth", "=-20*radius"), ("=2*(mouth + plate)", "=depth", "=2*plate + 1.5*height"))
+    s.domain((f"=-{wide}", f"=-{deep}", "=-20*radius"), (f"={wide}", f"={deep}", "=rise + 1.5*height"))
     return s
 
 

@@ -113,13 +113,17 @@ judge() {  # LANGUAGE ROLE
   "$tandem" conform "$command" --role "$2" > "judged-$1-$2.txt" || fail "$(cat "judged-$1-$2.txt")"
   tail -n 1 "judged-$1-$2.txt"
 }
-# Each judgement takes ten seconds and more. All languages call the same library: C is judged in both roles, others in one.
-judge c mbd
-judge c dem
-judge cpp mbd
-judge cpp sph
-[[ -z $FC ]] || judge fortran dem
-for language in "${judged[@]}"; do judge "$language" mbd; done
+# All languages call the same library: C is judged in both roles, others in one. A judgement mostly waits: all run at once.
+jobs=()
+for pair in "c mbd" "c dem" "cpp mbd" "cpp sph" ${FC:+"fortran dem"} "${judged[@]/%/ mbd}"; do
+  # shellcheck disable=SC2086 # two words
+  judge $pair > "said-${pair/ /-}.txt" 2>&1 &
+  jobs+=("$!:said-${pair/ /-}.txt")
+done
+for job in "${jobs[@]}"; do
+  wait "${job%%:*}" || fail "$(cat "${job#*:}")"
+  cat "${job#*:}"
+done
 
 echo "-- equal results in all languages"
 for language in "${languages[@]:1}"; do

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import os
 import subprocess
 
 import harness
@@ -41,16 +42,18 @@ class Import(Case):
     def test_slider_crank_of_a_step_file_turns(self):
         if not (options.bin / "tandem_step").exists():
             self.skipTest("this build reads no STEP files: OpenCASCADE was not found")
-        scene = self.folder / "crank.json"
-        step = harness.SCENES.parents[2] / "tests" / "unit" / "import" / "step" / "slider_crank.step"
-        said, _ = self.say(step, "-o", scene, "--material", "steel", "--fuse-smaller-than", "0.06", "--ground", "frame", "--joints")
-        self.assertIn("8 parts of 7 shapes, 5 bodies", said)
-        machine = json.loads(scene.read_text())
-        for joint in machine["mbd"]["joints"]:
-            if joint["name"] == "bearing_block_crank":
-                joint["motion"] = {"type": "constant", "value": 0, "rate": 10}
-        scene.write_text(json.dumps(machine))
-        self.run_scene(scene, out=self.folder / "crank")
+        # The commands of docs/cad_import.md, word for word.
+        source = harness.SCENES.parents[2]
+        page = (source / "docs" / "cad_import.md").read_text()
+        commands = [line[4:] for line in page[page.index("## 1."):page.index("## Options")].splitlines() if line.startswith("    ")]
+        (self.folder / "tests").symlink_to(source / "tests")
+        said = subprocess.run(["bash", "-euc", "\n".join(commands)], capture_output=True, text=True, timeout=120, cwd=self.folder,
+                              env={**os.environ, "PATH": f"{options.bin.resolve()}:{os.environ['PATH']}"})
+        self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
+        for words in ("8 parts of 7 shapes, 5 bodies", "proposed joints", "slider_crank: ok"):
+            self.assertIn(words, said.stdout)
+        described = subprocess.run([options.bin / "tandem", "describe", self.folder / "crank.json", "--files-only"], capture_output=True, text=True)
+        self.assertIn("\nassemblies\n  slider_crank\n    - frame, 33.74", described.stdout)
         with open(self.folder / "crank" / "bodies.csv", newline="") as bodies:
             rows = list(csv.DictReader(bodies))
         # From 60 degrees the crank turns about y, from z to x, by 10 rad/s.

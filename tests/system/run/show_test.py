@@ -38,6 +38,28 @@ class Show(Case):
             self.say("preview", harness.SCENES / "pendulum.json", "-o", "a.png")
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["a.png", "hanging_box_preview.png"])
 
+    def test_what_does_not_settle_is_drawn_and_named(self):
+        scene = {"tandem": "1.1", "name": "cone", "end_time": 0.1, "dem": {
+            "materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25, "restitution": 0.3, "friction": 0.4}],
+            "walls": [{"name": "cone", "material": "glass", "color": [0.8, 0.2, 0.2],
+                       "shape": {"type": "cone", "radius": 0.01, "top_radius": 0.05, "height": 0.06, "segments": 16, "open": ["+z"]}}],
+            "particles": [{"name": "beads", "material": "glass", "radius": 0.005,
+                           "fill": {"type": "packing", "region": {"type": "above", "wall": "cone"}, "level": 0.02}}],
+            "settle": {"kinetic_energy": 1e-7, "at_most": 0.03}, "domain": {"min": [-0.1, -0.1, -0.1], "max": [0.1, 0.1, 0.1]}}}
+        (self.folder / "cone.json").write_text(json.dumps(scene))
+        words = r"spheres have more than that, from .* the fastest is sphere \d+ of 'beads' at .* m from wall 'cone' of 'ground'. " \
+                r"They are drawn in cone_unsettled.png"
+        self.assertRegex(self.say("preview", "--unsettled", "cone.json"), words)
+        self.assertEqual((self.folder / "cone_unsettled.png").read_bytes()[:8], PNG)
+        self.assertRegex(self.say("validate", "cone.json", expect=2, path="/nowhere"),
+                         words.replace("drawn", "not drawn") + ": the picture could not be drawn|povray is not there")
+        scene["dem"]["settle"]["at_most"] = 5
+        (self.folder / "cone.json").write_text(json.dumps(scene))
+        self.assertRegex(self.say("preview", "--unsettled", "cone.json", "-o", "rest.png"), "rest.png: all spheres settle, in 0[.]")
+        del scene["dem"]["settle"]
+        (self.folder / "cone.json").write_text(json.dumps(scene))
+        self.assertRegex(self.say("preview", "--unsettled", "cone.json", expect=2), "the scene has no dem.settle")
+
     def test_preview_ends_within_a_second_when_interrupted(self):
         tools = self.folder / "tools"
         tools.mkdir()

@@ -66,7 +66,14 @@ TEST(Shapes, EveryGeometry) {
       shape("ball", ball),
       shape("can", {{"type", "cylinder"}, {"radius", 1}, {"height", 2}, {"segments", 7}}),
       shape("pill", {{"type", "capsule"}, {"radius", 1}, {"height", 2}}),
-      shape("tip", {{"type", "cone"}, {"radius", 1}, {"top_radius", 0.5}, {"height", 2}, {"segments", 9}}),
+      shape("tip",
+            {{"type", "cone"},
+             {"radius", 1},
+             {"top_radius", 0.5},
+             {"height", 2},
+             {"segments", 9},
+             {"open", {"+z"}}},
+            {{"density", 0}}),
       shape("stone", {{"type", "convex_hull"}, {"points", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}}),
       shape("scan", {{"type", "convex_hull"}, {"file", "scan.stl"}, {"scale", 0.001}}),
       shape("part", {{"type", "mesh"}, {"file", "part.obj"}, {"scale", 0.01}}),
@@ -82,6 +89,7 @@ TEST(Shapes, EveryGeometry) {
   EXPECT_EQ(std::get<CapsuleShape>(all[3].geometry).height, 2);
   EXPECT_EQ(std::get<ConeShape>(all[4].geometry).top_radius, 0.5);
   EXPECT_EQ(std::get<ConeShape>(all[4].geometry).segments, 9);
+  EXPECT_EQ(std::get<ConeShape>(all[4].geometry).open, (std::vector<std::string>{"+z"}));
   EXPECT_EQ(std::get<HullShape>(all[5].geometry).points[3], (Vec3d{0, 0, 1}));
   EXPECT_EQ(file_of(all[6].geometry), "scan.stl");
   EXPECT_EQ(scale_of(all[6].geometry), 0.001);
@@ -262,8 +270,8 @@ TEST(PlainText, IsWhatSolversKnow) {
 
 TEST(Shapes, DeviationOfFacets) {
   const auto deviation = [](const Geometry& geometry) { return deviation_of_facets(geometry); };
-  EXPECT_EQ(deviation(ConeShape{1, 0, 1, {}}), 0);
-  EXPECT_NEAR(deviation(ConeShape{1, 0, 1, 4}), 1 - std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(deviation(ConeShape{1, 0, 1, {}, {}}), 0);
+  EXPECT_NEAR(deviation(ConeShape{1, 0, 1, 4, {}}), 1 - std::sqrt(0.5), 1e-15);
   // No point of the polyhedron is farther inside, and some are nearly as far.
   const CapsuleShape capsule{1, 2, 16};
   double farthest = 0;

@@ -113,6 +113,26 @@ TEST(Solids, HeightFields) {
   EXPECT_EQ(solid.vertices[1], (Vec3d{0, -0.5, 0.1}));
 }
 
+// Area of the side of a pyramid's frustum of n sides: n trapezoids.
+TEST(Solids, OpenConesAreTheirSides) {
+  for (const int n : {4, 64}) {
+    const double half = std::numbers::pi / n, low = 1, high = 0.25, height = 2;
+    const double apothem = (low - high) * std::cos(half), across = (low + high) * std::sin(half);
+    const auto area = [](const TriangleMesh& mesh) {
+      double sum = 0;
+      for (const auto& [a, b, c] : mesh.triangles)
+        sum += 0.5 * norm(cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a]));
+      return sum;
+    };
+    const double side = n * across * std::hypot(apothem, height),
+                 top = 0.5 * n * high * high * std::sin(2 * half);
+    EXPECT_NEAR(area(cone_mesh(low, high, height, n, {"+z", "-z"})) / side, 1, 1e-12);
+    EXPECT_NEAR(area(cone_mesh(low, high, height, n, {"-z"})) / (side + top), 1, 1e-12);
+    EXPECT_TRUE(degenerate_triangles(cone_mesh(low, 0, height, n, {"-z"})).empty());
+    EXPECT_THAT(why_not_solid(cone_mesh(low, 0, height, n, {"-z"})), HasSubstr("the surface is open there"));
+  }
+}
+
 TEST(Solids, RoundMeshesHaveNoTriangleWithoutArea) {
   for (const TriangleMesh& mesh :
        {cone_mesh(1, 0, 2, 3), cone_mesh(1, 0.5, 2, 64), capsule_mesh(1, 2, 3), capsule_mesh(1, 2, 64)}) {

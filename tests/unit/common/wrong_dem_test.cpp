@@ -258,7 +258,8 @@ const WrongScene wrong_dem[] = {
      "capsule, cone, "
      "convex_hull, height_field)"},
     {"TypeThatIsNoWord", R"([{"op": "add", "path": "/mbd/bodies/0/type", "value": [1]}])",
-     "mbd.bodies[0]: unknown key 'type' (known keys: angular_velocity, inertia, mass, name, orientation, "
+     "mbd.bodies[0]: unknown key 'type' (known keys: angular_velocity, assembly, color, inertia, mass, name, "
+     "orientation, "
      "position, "
      "relative_to, shapes, velocity)"},
     {"KeyOfAnotherShape", R"([{"op": "add", "path": "/dem/walls/1/shape/size", "value": [1, 1, 1]}])",

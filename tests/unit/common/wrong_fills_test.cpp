@@ -41,6 +41,24 @@ const WrongScene wrong_fills[] = {
      "dem.particles[0].fill.region.height: 0.01 m is less than the largest diameter of 0.024 m (give a "
      "higher "
      "bed, or smaller spheres)"},
+    {"RoomAboveWithoutAnEnd",
+     PACKING(
+         R"({"type": "packing", "region": {"type": "above", "wall": "floor", "min": [0, 0], "max": [1, 1]}})"),
+     "dem.particles[0].fill.region: the room above a wall has no upper end (give the bed a height, or the "
+     "fill a "
+     "level up to which it reaches)"},
+    {"RoomAboveWithTwoEnds",
+     PACKING(
+         R"({"type": "packing", "level": 1, "region": {"type": "above", "wall": "floor", "height": 0.5}})"),
+     "dem.particles[0].fill.level: the bed above a wall has a height (leave out level, or height)"},
+    {"HalfARectangle",
+     PACKING(
+         R"({"type": "packing", "level": 1, "region": {"type": "above", "wall": "floor", "min": [0, 0]}})"),
+     "dem.particles[0].fill.region: min without max (give both, or neither: the region is then wherever the "
+     "wall is)"},
+    {"RoomBetweenAnUnknownWall",
+     PACKING(R"({"type": "packing", "region": {"type": "between", "walls": ["inside", "insid"]}})"),
+     "dem.particles[0].fill.region.walls[1]: unknown name 'insid' (did you mean 'inside'?)"},
     {"RadiusAndSizes",
      R"([{"op": "add", "path": "/dem/particles/0/sizes", "value": {"type": "list", "radius": [0.01], "mass_fraction": [1]}}])",
      "dem.particles[0].sizes: the group has a radius and sizes (keep one of them)"},

@@ -51,6 +51,17 @@ const WrongScene wrong_shapes[] = {
          R"({"name": "a", "use": "wall", "material": "steel", "shape": {"type": "cone", "radius": 1, "height": 1}})"),
      "mbd.bodies[3].shapes[0].shape: particles know no round surface of a cone (add segments: flat faces, "
      "inscribed, whose corners are at the radius)"},
+    {"OpenApex",
+     SHAPES(
+         R"({"name": "a", "use": "graphics", "shape": {"type": "cone", "radius": 1, "height": 1, "open": ["+z"]}})"),
+     "mbd.bodies[3].shapes[0].shape.open: the upper end is an apex, and not there to be open (leave out +z, "
+     "or "
+     "give top_radius)"},
+    {"ColourOfAWallOfABody",
+     R"([{"op": "add", "path": "/dem/walls/-", "value": {"name": "red", "body": "bird", "material": "steel", "color": [1, 0, 0],
+         "shape": {"type": "sphere", "radius": 1}}}])",
+     "dem.walls[3].color: the wall is on a body, which has one colour in pictures (give the colour to the "
+     "body)"},
     {"RoundCapsuleAsWall",
      R"([{"op": "replace", "path": "/dem/walls/0/shape", "value": {"type": "capsule", "radius": 1, "height": 1}}])",
      "dem.walls[0].shape: particles know no round surface of a capsule (add segments: flat faces, inscribed, "

@@ -264,7 +264,8 @@ const WrongScene wrong_sph[] = {
     {"MaterialOfAWall",
      SPH(LIQUID(""),
          R"("walls": [{"name": "lid", "material": "steel", "shape": {"type": "box", "size": [1, 1, 1]}}],)"),
-     "sph.walls[0]: unknown key 'material' (known keys: body, name, orientation, position, relative_to, "
+     "sph.walls[0]: unknown key 'material' (known keys: body, color, name, orientation, position, "
+     "relative_to, "
      "shape)"},
 };
 

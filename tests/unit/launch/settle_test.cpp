@@ -178,8 +178,11 @@ TEST_F(Settling, WhatDoesNotSettleIsRefused) {
                                HasSubstr("does not tell a bed at rest from falling spheres"),
                                HasSubstr("give at most a tenth of that")));
   scene_["dem"]["settle"] = {{"kinetic_energy", 1e-3 * fall}, {"at_most", 0.05}};
-  EXPECT_THAT(refusal(), AllOf(HasSubstr("dem.settle: the spheres have not settled after 0.05 s"),
-                               HasSubstr("give more time as at_most")));
+  EXPECT_THAT(refusal(),
+              AllOf(HasSubstr("dem.settle: the spheres have not settled after 0.05 s"),
+                    HasSubstr("; 21 of 40 spheres have more than that, from ["),
+                    HasSubstr("; the fastest is sphere "), HasSubstr(" of 'grains' at ["),
+                    HasSubstr(" m from wall 'box' of 'tray'"), HasSubstr("give more time as at_most")));
   scene_["dem"]["settle"].erase("at_most");
   scene_["dem"]["walls"][0]["shape"]["open"] = {"-z"};
   EXPECT_THAT(refusal(),

@@ -104,6 +104,26 @@ TEST(MeshRepair, TenBadMeshesBecomeWatertight) {
   }
 }
 
+// What was repaired is coarsened within a hundredth of the size, and stays watertight.
+TEST(MeshCoarsen, TenRepairedMeshesStayWatertight) {
+  constexpr double deviation = 0.01;
+  std::printf("  %-26s %9s %9s %12s %12s %10s\n", "mesh", "triangles", "remain", "volume", "change", "moved");
+  for (const BadMesh& bad : bad_meshes()) {
+    SCOPED_TRACE(bad.name);
+    const TriangleMesh before = repaired(bad.mesh, {}).mesh;
+    const CoarseMesh coarse = coarsened(before, deviation);
+    const MeshFaults left = faults_of(coarse.mesh);
+    EXPECT_TRUE(left.is_sound()) << report_of(left, bad.name);
+    ASSERT_TRUE(left.facts.volume.has_value());
+    const double moved = distance_between(before, coarse.mesh), volume = *facts_of(before).volume;
+    std::printf("  %-26s %9zu %9zu %12.9f %+12.2e %10.2g\n", bad.name, before.triangles.size(),
+                coarse.mesh.triangles.size(), *left.facts.volume, *left.facts.volume / volume - 1, moved);
+    EXPECT_LE(coarse.mesh.triangles.size(), before.triangles.size());
+    EXPECT_LE(moved, 1.05 * deviation);
+    EXPECT_NEAR(*left.facts.volume / volume, 1, 0.01);
+  }
+}
+
 TEST(MeshRepair, ASoundMeshStaysAndWideOpeningsMay) {
   const RepairedMesh same = repaired(ball, {});
   EXPECT_TRUE(same.done.empty());

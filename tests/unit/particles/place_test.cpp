@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "common/geometry/mass_properties.hpp"
+#include "common/geometry/solid_mesh.hpp"
 #include "common/scene/sizes.hpp"
 #include "tests/unit/dem_geometry/walls.hpp"
 
@@ -184,7 +185,7 @@ TEST(Place, RegionIsClippedAtWallsAndOtherSpheres) {
 TEST(Place, BedFollowsTheSurfaceBelow) {
   const TriangleMesh hill{{{0, 0, 0}, {1, 0, 0.2}, {1, 1, 0.2}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
   scene::PackingFill fill;
-  fill.region = scene::AboveWall{"hill", {0.1, 0.2}, {0.9, 0.8}, 0.15};
+  fill.region = scene::AboveWall{"hill", {{0.1, 0.2}}, {{0.9, 0.8}}, 0.15};
   const scene::Scene scene = scene_with(fill, 0.015, {wall("hill", scene::MeshShape{"hill.stl"})});
   const Placement p = place(scene, 0, {{"hill", hill}}, {}, {}, 1);
   EXPECT_NEAR(p.volume, 0.8 * 0.6 * 0.15, 1e-5);
@@ -195,6 +196,83 @@ TEST(Place, BedFollowsTheSurfaceBelow) {
     EXPECT_GT(x.z, 0.2 * x.x);
     EXPECT_LE(x.z + 0.015, 0.2 * x.x + 0.15 + 1e-9);
   }
+}
+
+// A hopper: a cone that is open at both ends, below a round shell. Of regular polygons of n sides.
+double polygon(int n, double radius) {
+  return 0.5 * n * radius * radius * std::sin(2 * std::numbers::pi / n);
+}
+constexpr double mouth = 0.03, wide = 0.12, slope = 0.1;  // radii, and height of the cone [m]
+TriangleMesh funnel() {
+  return cone_mesh(mouth, wide, slope, 64, {"+z", "-z"});
+}
+std::vector<scene::Wall> hopper() {
+  return {
+      wall("cone", scene::MeshShape{"facets"}, ground, {{0, 0, 0.5 * slope}, {}}),
+      wall("shell", scene::CylinderShape{wide, 0.2, {}, {"+z", "-z"}}, ground, {{0, 0, slope + 0.1}, {}})};
+}
+
+TEST(Place, RoomAboveAConeIsFilledToALevelAndNotBelowItsMouth) {
+  scene::PackingFill fill;
+  fill.region = scene::AboveWall{"cone"};
+  fill.level = 0.2;
+  const Placement p = place(scene_with(fill, 0.006, hopper()), 0, {{"cone", funnel()}}, {}, {}, 2);
+  const double closed =
+      slope / 3 *
+          (polygon(64, mouth) + polygon(64, wide) + std::sqrt(polygon(64, mouth) * polygon(64, wide))) +
+      0.1 * polygon(64, wide);
+  std::printf("volume: expected %g m3, measured %g m3, tolerance 1e-3\n", closed, p.volume);
+  EXPECT_NEAR(p.volume / closed, 1, 1e-3);
+  EXPECT_LE(worst_pair(p), 1e-9);
+  EXPECT_GE(least_gap(p, transformed(funnel(), {{0, 0, 0.5 * slope}, {}})), -1e-6);
+  double low = 1;
+  for (const Vec3d& x : p.position) {
+    low = std::min(low, x.z);
+    EXPECT_LE(x.z, 0.2 - 0.006 + 1e-9);
+    EXPECT_LE(std::hypot(x.x, x.y), wide - 0.006 + 1e-9);
+  }
+  EXPECT_GT(low, 0);
+  EXPECT_LT(low, 0.02) << "the mouth counts as closed, with room above it";
+}
+
+TEST(Place, RoomBetweenConeAndShellIsThatInsideOfBoth) {
+  scene::PackingFill fill;
+  fill.region = scene::BetweenWalls{{"cone", "shell"}};
+  fill.level = 0.2;
+  const Placement p = place(scene_with(fill, 0.006, hopper()), 0, {{"cone", funnel()}}, {}, {}, 2);
+  const double round = std::numbers::pi * wide * wide,
+               cone = slope / 3 * std::numbers::pi * (mouth * mouth + mouth * wide + wide * wide);
+  std::printf("volume: expected %g m3, measured %g m3, tolerance 2e-3\n", cone + 0.1 * round, p.volume);
+  EXPECT_NEAR(p.volume / (cone + 0.1 * round), 1, 2e-3);
+  EXPECT_GE(least_gap(p, transformed(funnel(), {{0, 0, 0.5 * slope}, {}})), -1e-6);
+  for (const Vec3d& x : p.position) EXPECT_GE(x.z, 0.006 - 1e-9) << "the sphere is wholly above the mouth";
+}
+
+// Two plates in the shape of a V with a slot, 0.3 m long: the prism between them.
+TEST(Place, RoomBetweenTwoPlatesIsAPrism) {
+  const TriangleMesh right{{{0.02, 0, 0}, {0.1, 0, 0.16}, {0.1, 0.3, 0.16}, {0.02, 0.3, 0}},
+                           {{0, 1, 2}, {0, 2, 3}}};
+  TriangleMesh left = right;
+  for (Vec3d& v : left.vertices) v.x = -v.x;
+  scene::PackingFill fill;
+  fill.region = scene::BetweenWalls{{"left", "right"}};
+  const std::vector<scene::Wall> plates{wall("left", scene::MeshShape{"l"}),
+                                        wall("right", scene::MeshShape{"r"})};
+  const Placement p =
+      place(scene_with(fill, 0.008, plates), 0, {{"left", left}, {"right", right}}, {}, {}, 1);
+  std::printf("volume: expected %g m3, measured %g m3, tolerance 1e-3\n", 0.16 * 0.12 * 0.3, p.volume);
+  EXPECT_NEAR(p.volume / (0.16 * 0.12 * 0.3), 1, 1e-3);
+  EXPECT_GE(least_gap(p, left), -1e-6);
+  EXPECT_GE(least_gap(p, right), -1e-6);
+  for (const Vec3d& x : p.position) {
+    EXPECT_GE(x.y, 0.008 - 1e-9);
+    EXPECT_LE(x.y, 0.292 + 1e-9);
+    EXPECT_GE(x.z, 0.008 - 1e-9);
+  }
+  scene::PackingFill flat;
+  flat.region = scene::BetweenWalls{{"left"}};
+  EXPECT_THAT(refusal(scene_with(flat, 0.008, plates), {{"left", left}, {"right", right}}),
+              HasSubstr("the walls lie in one plane"));
 }
 
 // Sizes from 1 to 10: the small ones fill the gaps.
@@ -240,8 +318,9 @@ TEST(Place, WhatDoesNotFitIsRefused) {
       refusal(scene_with(inside("floor"), 0.01, {wall("floor", scene::PlaneShape{{0, 0, 0}, {0, 0, 1}})})),
       HasSubstr("'floor' does not end on all sides"));
   scene::PackingFill in_solid;
-  in_solid.region = scene::AboveWall{"box", {-0.1, -0.1}, {0.1, 0.1}, 0.1};
-  EXPECT_THAT(refusal(scene_with(in_solid, 0.01, {box})), HasSubstr("is open"));
+  in_solid.region = scene::AboveWall{"floor", {{-0.1, -0.1}}, {{0.1, 0.1}}, 0.1};
+  EXPECT_THAT(refusal(scene_with(in_solid, 0.01, {wall("floor", scene::PlaneShape{{0, 0, 0}, {0, 0, 1}})})),
+              HasSubstr("'floor' does not end on all sides"));
 }
 
 TEST(Place, OpenMeshIsFilledUpToItsOpeningsOnly) {

@@ -70,6 +70,17 @@ class Json(unittest.TestCase):
         s["bed"].orientation = {"axis": [0, 1, 0], "angle_deg": 90}
         self.assertAlmostEqual(s.fill("bed", "gravel", radius=.01, height=.1).fill["level"], 1.6)
 
+    def test_a_hopper_is_a_cone_and_a_tube(self):
+        s = td.Scene("hopper", end_time=1)
+        glass = s.material("glass", density=2500, young=1e7)
+        s.wall("cone", cone=(.03, .1, .1), at=(0, 0, .05), open=["+z", "-z"], material=glass)
+        s.fill({"type": "above", "wall": "cone"}, glass, radius=.005, height=.25)
+        self.assertEqual(s.data["dem"]["walls"][0]["shape"],
+                         {"type": "cone", "radius": .03, "top_radius": .1, "height": .1, "segments": 64, "open": ["+z", "-z"]})
+        self.assertAlmostEqual(s.data["dem"]["particles"][0]["fill"]["level"], .25)
+        with self.assertRaisesRegex(td.SceneError, "the lowest point of the region is not known"):
+            s.fill({"type": "between", "walls": ["cone"]}, glass, radius=.005, height=.1)
+
     def test_save_and_load(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "s.json"

@@ -95,6 +95,21 @@ TEST(PovScene, GroundOfContactIsSolidFromItsFront) {
   }
 }
 
+TEST(PovScene, ColoursOfTheSceneComeBeforeThoseOfTheOrder) {
+  scene::Scene scene = two_bodies();
+  scene.mbd->bodies[1].colour = Vec3d{0.125, 0.25, 0.5};
+  EXPECT_EQ(body_legend(scene)[1].colour, (Vec3d{0.125, 0.25, 0.5}));
+  EXPECT_EQ(body_legend(scene)[0].colour, body_colour(0));
+  scene.dem.emplace();
+  scene.dem->walls.push_back({.name = "red", .shape = scene::SphereShape{1}, .colour = Vec3d{0.75, 0, 0}});
+  Frame frame = with_box("rod\\", {});
+  frame.surfaces.push_back({"ground.wall.red", true, box_mesh({2, 2, 2})});
+  std::ostringstream out;
+  write_pov(out, frame, scene, view_of({frame}));
+  EXPECT_NE(out.str().find("<0.75,0,0,"), std::string::npos);
+  EXPECT_EQ(out.str().find("<0.72,0.78,0.84,"), std::string::npos);
+}
+
 // Two faces in one plane are drawn one behind the other: no two objects have the same distance.
 TEST(PovScene, FacesInOnePlaneHaveAnOrder) {
   Frame frame = with_box("rod\\", {});

@@ -150,6 +150,18 @@ TEST(BodyMeshes, ShapesOfContactOfTheGroundAreDrawn) {
     EXPECT_NEAR(meshes[0].mesh.vertices[i].z, 0, 1e-12) << i;
 }
 
+TEST(BodyMeshes, AWallOfTheGroundWithAColourIsASurfaceForItself) {
+  auto scene = plane_scene({0, 0, 0}, {0, 0, 1});
+  scene.dem->walls.push_back(scene.dem->walls.front());
+  scene.dem->walls.back().name = "red", scene.dem->walls.back().colour = Vec3d{1, 0, 0};
+  const auto meshes = body_meshes(scene, {});
+  ASSERT_GE(meshes.size(), 2u);
+  EXPECT_EQ(meshes[0].name, "ground");
+  EXPECT_EQ(meshes[1].name, "ground.wall.red");
+  EXPECT_EQ(meshes[1].body, ground);
+  EXPECT_NEAR(area(meshes[0].mesh), area(meshes[1].mesh), 1e-12);
+}
+
 TEST(BodyMeshes, PlanesOfContactFarAwayAreNotDrawn) {
   EXPECT_EQ(body_meshes(on_plane_of_contact({0, 0, -10}, {0, 0, 1}), {}).size(), 2u);
   EXPECT_EQ(body_meshes(on_plane_of_contact({0, 0, -30}, {0, 0, 1}), {}).size(), 1u);
