@@ -233,18 +233,17 @@ def main():
     parser.add_argument("--seconds", type=int, default=20, help="processor time for each reference, and for each run")
     parser.add_argument("--keep", help="folder for scenes that are not right")
     parser.add_argument("--all-references", action="store_true", help="integrate refused machines as well")
-    parser.add_argument("--rows", help="file for one line of JSON per machine")
+    parser.add_argument("--rows", help="file for one line of JSON per machine, as they come")
     options = parser.parse_args()
     numbers = options.only or range(options.count)
-    with multiprocessing.Pool(options.jobs) as pool:
+    with multiprocessing.Pool(options.jobs) as pool, open(options.rows or os.devnull, "w") as file:
         rows = []
         for row in pool.imap_unordered(examine, [(n, options) for n in numbers], chunksize=1):
             rows.append(row)
+            print(json.dumps(row, default=float), file=file, flush=True)
             if row["verdict"] != "ok":
                 print(f"{row['verdict']}:\n{say(row)}", flush=True)
     rows.sort(key=lambda r: r["number"])
-    if options.rows:
-        pathlib.Path(options.rows).write_text("".join(json.dumps(r, default=float) + "\n" for r in rows))
     verdicts = ["ok", "refused", "warned", "wrong", "died", "no reference"]
     count = collections.Counter((r["class"], r["verdict"]) for r in rows)
     print(f"\n{'class':18s}{'machines':>9s}" + "".join(f"{('right' if v == 'ok' else v):>14s}" for v in verdicts))
