@@ -16,8 +16,7 @@ class LoadJournal {
   LoadJournal() = default;
   LoadJournal(double windows, const State& state)
       : width_(static_cast<std::size_t>(2 * state.loads.size() + state.inputs.size() + state.q.size())) {
-    const double fit = static_cast<double>(most) / static_cast<double>(std::max<std::size_t>(width_, 1));
-    windows_.reserve(static_cast<std::size_t>(std::min(windows, fit)) + 1);
+    windows_.reserve(static_cast<std::size_t>(std::min(windows, static_cast<double>(fit()))) + 1);
     values_.reserve(windows_.capacity() * width_);
   }
 
@@ -32,7 +31,7 @@ class LoadJournal {
 
   // Notes loads and inputs of `state`, which acted in the window, and its coordinates, at its end.
   void note(const Window& window, const State& state) {
-    complete_ = complete_ && values_.size() + width_ <= most && windows_.size() < most;
+    complete_ = complete_ && windows_.size() < fit();
     if (!complete_) return;
     windows_.push_back(window);
     append(state.inputs), append(state.loads), append(state.load_rates), append(state.q);
@@ -54,7 +53,8 @@ class LoadJournal {
   }
 
  private:
-  static constexpr std::size_t most = std::size_t{1} << 23;  // numbers: 64 MiB
+  // As many windows as 64 MiB hold.
+  std::size_t fit() const { return (std::size_t{1} << 26) / (sizeof(Window) + width_ * sizeof(double)); }
 
   template <class Values>
   void append(const Values& values) {

@@ -124,6 +124,29 @@ TEST(ErrorEstimate, UnderLoadsFromHalfSteps) {
   EXPECT_LT(facts["mbd_position_error_estimate"].get<double>(), 5e-3);
 }
 
+// A scheme that iterates goes back to the begin of a window.
+TEST(LoadJournal, KeepsTheLastLoadsOfEachWindow) {
+  const auto at = [](double value) {
+    State state;
+    state.q = state.inputs = VectorXd::Constant(2, value);
+    state.loads = state.load_rates = Eigen::Matrix<double, 6, Eigen::Dynamic>::Constant(6, 1, 10 * value);
+    return state;
+  };
+  LoadJournal journal(2, at(0));
+  for (int n = 0; n < 3; ++n) journal.note({static_cast<std::uint64_t>(n), {n}, {n + 1}}, at(n));
+  journal.keep(1);
+  journal.note({1, {1}, {3}}, at(7));
+  ASSERT_EQ(journal.size(), 2U);
+  EXPECT_TRUE(journal.complete());
+  EXPECT_EQ(journal.window(1).end.count, 3);
+  State state = at(0);
+  journal.load(1, state);
+  EXPECT_EQ(state.loads, at(7).loads);
+  EXPECT_EQ(state.load_rates, at(7).load_rates);
+  EXPECT_EQ(journal.inputs(1, state), at(7).inputs);
+  EXPECT_EQ(journal.coordinates(0, state), at(0).q);
+}
+
 // By half steps: an error c h^2 of a method of second order is exact.
 TEST(ErrorEstimate, FromHalfSteps) {
   const auto end = [](double h, double steps) {
