@@ -65,13 +65,18 @@ void complete_estimate(const RunEnd& run, const RunEnd& coarse, ErrorEstimate& e
 
 ErrorEstimate estimate_error(const RunEnd& run, const RunEnd& fine, bool halved) {
   const double s = halved ? 2 : fine.steps / run.steps;
+  const Difference d = run - fine;
   if (s < 1.5)
     return {
         .reason = fmt::format(
-            "the run with shorter steps took only {:.2g} times as many steps; give mbd.integrator.step", s)};
-  const Difference d = run - fine;
+            "the run with shorter steps took only {:.2g} times as many steps, and differs by {:.2g} m and "
+            "{:.2g} rad at the end; give mbd.integrator.step",
+            s, d.position, d.rotation)};
   const double factor = s * s / (s * s - 1);
-  return {.position = factor * d.position, .rotation = factor * d.rotation, .energy = factor * d.energy};
+  return {.position = factor * d.position,
+          .rotation = factor * d.rotation,
+          .motion = factor * d.motion,
+          .energy = factor * d.energy};
 }
 
 void add_error_facts(const ErrorEstimate& error, protocol::MbdFacts& facts, nlohmann::ordered_json& others) {

@@ -24,17 +24,24 @@ void MbdSolver::integrate(const Window& window) {
 // The first break before `end`, or `end` where there is none.
 double MbdSolver::next_stop(double end) const {
   const std::vector<double>& breaks = machine_->model.breaks;
-  const auto next =
-      std::upper_bound(breaks.begin(), breaks.end(), state_.time + time_resolution(state_.time));
-  return next != breaks.end() && *next < end - time_resolution(end) ? *next : end;
+  const double time = state_.time;
+  const auto next = std::upper_bound(breaks.begin(), breaks.end(), time + time_resolution(time));
+  double stop = next != breaks.end() ? *next : end;
+  // Steps that are kept end at windows, as they did.
+  if (again_ && between_breaks(again_->kept)) {
+    const double of_window = (std::floor((time + time_resolution(time)) / window_) + 1) * window_;
+    if (of_window < stop - time_resolution(stop)) stop = of_window;
+  }
+  return stop < end - time_resolution(end) ? stop : end;
 }
 
-// Whether breaks are so close here that steps twice and four times as long would end at them as well.
-bool MbdSolver::between_close_breaks() const {
+// Whether the time is between two breaks that are at most so many steps apart.
+bool MbdSolver::between_breaks(double steps) const {
   const std::vector<double>& breaks = machine_->model.breaks;
   const auto next =
       std::upper_bound(breaks.begin(), breaks.end(), state_.time + time_resolution(state_.time));
-  return next != breaks.begin() && next != breaks.end() && *next - *(next - 1) < 4 * nominal_step_;
+  return next != breaks.begin() && next != breaks.end() &&
+         *next - *(next - 1) < steps * nominal_step_ * (1 + 1e-9);
 }
 
 // Forces and prescribed rates jump where the present time is a break.
@@ -61,20 +68,25 @@ void MbdSolver::cross_break() {
     before_[k] = observe_body(machine_->model, machine_->system.links(), machine_->model.boundary[k]);
 }
 
-// One step of fixed length.
-void MbdSolver::take_step(double h) {
+// One step of fixed length, or its two halves.
+void MbdSolver::take_step(double h, bool halved) {
   Machine& m = *machine_;
-  if (!budget_ || budget_->parts)
+  if (halved) {
+    take_step(h / 2);
+    h /= 2;
+  }
+  if (!again_ || again_->parts)
     m.integrator().step(m.system, state_, h);
   else if (!m.method.try_step(m.system, state_, h))
     m.method.give_up(m.system, h);
-  if (budget_ && m.method.counters().newton_iterations > budget_->iterations) m.method.give_up(m.system, h);
+  if (again_ && m.method.counters().newton_iterations > again_->iterations) m.method.give_up(m.system, h);
 }
 
 // Into how many parts to take the step of length h that has led from predicted_ to state_. A force that
 // changes the rates by du while it moves the machine by dx out of its uniform motion acts upon another
-// configuration: the rates are off by some du dx / 6, from the trapezoidal rule, and by a share of 1 / n^2 of
-// that with n parts. In as much time as since the start, or in a hundred steps, such an error may move
+// configuration: the rates are off by some du dx / 6 from the trapezoidal rule, of which the first part is,
+// and by the ratio of the constants of their errors more from the method; and by a share of 1 / n^2 of that
+// with n parts. In as much time as since the start, or in a hundred steps, such an error may move
 // nothing by more than a thousandth of its scale. Steps of smooth motions of 1 rad are below that from some
 // 60 in a period on, and after 10,000 steps from some 200 on.
 int MbdSolver::parts_of_impulse(double h) {
@@ -88,15 +100,21 @@ int MbdSolver::parts_of_impulse(double h) {
                             error_constant_ * h * h * (state_.udot - predicted_.udot).cwiseAbs()),
                du = std::max(largest(state_.u - predicted_.u), 2 * dx / h);
   const double acts = std::max(lasting * nominal_step_, predicted_.time);
-  return static_cast<int>(std::clamp(std::ceil(std::sqrt(acts * du * dx / 6 / allowed)), 1.0, most));
+  const double ratio = 12 * std::abs(machine_->method.constants().velocity_error_constant());
+  return static_cast<int>(std::clamp(std::ceil(std::sqrt(acts * du * dx / 6 * ratio / allowed)), 1.0, most));
 }
 
 // Takes steps no longer than the requested one; `length` is the time until `end`, without the round-off of a
 // difference.
 void MbdSolver::integrate_until(double end, double length) {
   Machine& m = *machine_;
-  const Steps steps = cut(length);
-  between_close_breaks_ = between_close_breaks();
+  using Halved = Repetition::Halved;
+  between_close_breaks_ = between_breaks(4);
+  between_breaks_ = between_breaks(longest_again);
+  const bool kept = again_ && between_breaks(again_->kept);
+  const bool halved =
+      again_ && (again_->halved == Halved::all || (kept && again_->halved == Halved::between_breaks));
+  const Steps steps = cut(length, kept ? again_->step : step_);
   double part = HUGE_VAL;  // longest step, once one was too long for an impulse
   const auto one_step = [&](double h) {
     if (control_) {
@@ -105,15 +123,19 @@ void MbdSolver::integrate_until(double end, double length) {
       return h;
     }
     h /= std::max(1.0, std::ceil(h / part * (1 - 1e-9)));
-    const bool looks = between_close_breaks_ && part == HUGE_VAL;
-    const ShortenedSteps shortened = looks ? m.method.shortened() : ShortenedSteps{};
-    if (looks) predicted_ = state_;
-    take_step(h);
-    if (const int parts = looks ? parts_of_impulse(h) : 1; parts > 1) {
-      state_ = predicted_;
-      m.method.back(shortened);
-      part = h /= parts;
+    if (between_close_breaks_ && part == HUGE_VAL) {
+      const ShortenedSteps shortened = m.method.shortened();
+      predicted_ = state_;
       take_step(h);
+      const int parts = parts_of_impulse(h);
+      if (parts > 1) part = h /= parts;
+      if (parts > 1 || halved) {
+        state_ = predicted_;
+        m.method.back(shortened);
+        take_step(h, halved);
+      }
+    } else {
+      take_step(h, halved);
     }
     measure_local_error(h);
     return h;
@@ -146,8 +168,8 @@ void MbdSolver::integrate_until(double end, double length) {
 }
 
 // The tolerance prevents round-off from adding a step to a window that is a whole number of steps.
-MbdSolver::Steps MbdSolver::cut(double length) const {
-  const int count = step_ ? std::max(1, static_cast<int>(std::ceil(length / *step_ * (1 - 1e-9)))) : 1;
+MbdSolver::Steps MbdSolver::cut(double length, const std::optional<double>& step) {
+  const int count = step ? std::max(1, static_cast<int>(std::ceil(length / *step * (1 - 1e-9)))) : 1;
   return {count, length / count};
 }
 

@@ -135,6 +135,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   control_.reset();
   longest_step_ = step_.value_or(scene.coupling.window);
   nominal_step_ = cut(scene.coupling.window).length;
+  window_ = scene.coupling.window;
   if (settings.error_tolerance) {
     // A step of a whole period has equal values at both of its ends, so that the error control would not
     // see the oscillation.
@@ -143,6 +144,8 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
     control_.emplace(StepControlSettings{*settings.error_tolerance, settings.min_step, longest_step_});
   }
   state_ = machine_->state;
+  const bool keeps_loads = !control_ && !machine_->extrapolation && !machine_->explicit_method;
+  journal_ = keeps_loads ? LoadJournal(scene.end_time / scene.coupling.window, state_) : LoadJournal();
   machine_->contacts.prepare(state_);
   machine_->stiction.prepare(state_);
   machine_->touching.prepare(state_);
@@ -266,10 +269,7 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   motion_.window = loads.window;
   predicted_ = state_;
   take_loads(loads);
-  if (!state_.load_rates.isZero(0) || !predicted_.load_rates.isZero(0))
-    m.integrator().jump(m.system, predicted_, state_);
-  else if (state_.loads != predicted_.loads)
-    m.integrator().jump(m.system, state_);
+  jump_to_loads();
   m.system.residual(state_);
   record_begin_motion();
   m.balance.begin(state_, m.system);
@@ -278,6 +278,7 @@ const protocol::MotionSet& MbdSolver::advance(const protocol::LoadSet& loads) {
   expect_closed(m.model, m.system.links(), tolerance_, state_.time);
   record_end_motion();
   record_window();
+  if (!control_ && !m.extrapolation && !m.explicit_method && !resumed_) journal_.note(loads.window, state_);
   return motion_;
 }
 
@@ -311,11 +312,13 @@ const protocol::TangentSet& MbdSolver::linearise() {
 void MbdSolver::save() {
   saved_.state = state_;
   saved_.totals = totals_;
+  saved_windows_ = journal_.size();
 }
 
 void MbdSolver::restore() {
   state_ = saved_.state;
   totals_ = saved_.totals;
+  journal_.keep(saved_windows_);
 }
 
 void MbdSolver::checkpoint(const protocol::Checkpoint& file) {
@@ -365,6 +368,15 @@ void MbdSolver::take_loads(const protocol::LoadSet& loads) {
         spatial(to_eigen(load.mean.torque), to_eigen(load.mean.force)) - (0.5 * H) * state_.load_rates.col(k);
   }
   loaded_ = loaded_ || !state_.loads.isZero(0) || !state_.load_rates.isZero(0);
+}
+
+// The accelerations jump where the loads do; predicted_ is the state before.
+void MbdSolver::jump_to_loads() {
+  Machine& m = *machine_;
+  if (!state_.load_rates.isZero(0) || !predicted_.load_rates.isZero(0))
+    m.integrator().jump(m.system, predicted_, state_);
+  else if (state_.loads != predicted_.loads)
+    m.integrator().jump(m.system, state_);
 }
 
 const protocol::BodiesFrame& MbdSolver::observe() {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "mbd_server/coupling/error_estimate.hpp"
+#include "mbd_server/coupling/load_journal.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "mbd_server/io/element_observer.hpp"
 #include "mbd_server/io/energy_balance.hpp"
@@ -83,15 +84,17 @@ class MbdSolver final : public protocol::MotionSolver {
     double length;  // [s]
   };
   void warn_of_instability();
-  Steps cut(double length) const;
+  Steps cut(double length) const { return cut(length, step_); }
+  static Steps cut(double length, const std::optional<double>& step);
   void expect_begin(const Window& window) const;
   void take_loads(const protocol::LoadSet& loads);
+  void jump_to_loads();
   const protocol::MotionSet& hold_accelerations(const Window& window);
   void record_begin_motion();
   void record_end_motion();
   bool sums_local_errors() const;
   void measure_local_error(double h);
-  void take_step(double h);
+  void take_step(double h, bool halved = false);
   int parts_of_impulse(double h);
   void record_travel();
   VectorXd reach() const;
@@ -114,7 +117,7 @@ class MbdSolver final : public protocol::MotionSolver {
   void integrate(const Window& window);
   void integrate_until(double end, double length);
   double next_stop(double end) const;
-  bool between_close_breaks() const;
+  bool between_breaks(double steps) const;
   void cross_break();
   void record_window();
   void record_reactions(const std::vector<JointObservation>& joints);
@@ -122,26 +125,45 @@ class MbdSolver final : public protocol::MotionSolver {
   std::optional<double> error_of_the_way();
   ErrorEstimate measure_error();
   RunEnd run_end();
+  void begin_again();
+  template <class F>
+  void aside(F&& repeat);
+  template <class F>
+  bool goes_through(F&& motion);
   std::optional<RunEnd> run_again(double end, double steps);
-  void compare_with_longer_steps(const RunEnd& run, const State& state, double factor, double share,
-                                 ErrorEstimate& estimate);
+  void add_errors_between_breaks(const RunEnd& coarse, const State& coarse_end, double steps,
+                                 const VectorXd& reach, double local_errors, ErrorEstimate& estimate);
+  void compare_with_longer_steps(const RunEnd& run, double factor, double share, ErrorEstimate& estimate);
+  std::optional<ErrorEstimate> compare_with_half_steps(const RunEnd& run);
   double energy_residual(double energy) const;
   double energy_scale() const;
 
   std::unique_ptr<Machine> machine_;
   std::optional<double> step_;          // longest requested step [s]; none: one step per window
   std::optional<StepControl> control_;  // none: fixed steps
-  // While the error is measured: the number of iterations of all runs together beyond which the measurement
-  // ends. It ends as well where Newton's method fails for a whole step, unless these may be taken in parts.
-  struct Budget {
-    std::uint64_t iterations;
-    bool parts;
+  // While the run is repeated to measure its error.
+  struct Repetition {
+    enum class Halved { nothing, between_breaks, all };
+    // Iterations of all runs together beyond which it ends.
+    std::uint64_t iterations = UINT64_MAX;
+    // Whether a step may be taken in parts where Newton's method fails for it; otherwise the run ends there.
+    bool parts = true;
+    // Between breaks that are at most so many steps of the run apart, its steps are kept, of which the
+    // longest is `step`.
+    double kept = 0;
+    std::optional<double> step{};
+    // Which steps are taken as two halves; between breaks: those that are kept.
+    Halved halved = Halved::nothing;
   };
-  std::optional<Budget> budget_;
-  double longest_step_ = 0;     // [s]
-  double nominal_step_ = 0;     // in windows without breaks and contacts [s]
-  std::string unstable_start_;  // warning of an unstable equilibrium at the start
-  double tolerance_ = 0;        // of geometric data [-]
+  static constexpr double longer_again = 19.5, longest_again = 2 * longer_again;  // steps of repetitions
+  std::optional<Repetition> again_;
+  LoadJournal journal_;
+  std::size_t saved_windows_ = 0;  // of the journal
+  double longest_step_ = 0;        // [s]
+  double nominal_step_ = 0;        // in windows without breaks and contacts [s]
+  double window_ = 0;              // of the scene [s]
+  std::string unstable_start_;     // warning of an unstable equilibrium at the start
+  double tolerance_ = 0;           // of geometric data [-]
   State state_;
   RunTotals totals_;
   SavedState saved_;                     // state and totals, for a rollback
@@ -152,11 +174,12 @@ class MbdSolver final : public protocol::MotionSolver {
   protocol::MotionSet motion_;
   protocol::TangentSet tangents_;
   protocol::BodiesFrame frame_;
-  double error_constant_ = 0;             // of the position, of the method [-]
-  VectorXd local_error_;                  // of the position, of the last step (freedoms) [rad or m]
-  VectorXd moved_;                        // increment of the coordinates since the start (freedoms)
-  bool loaded_ = false;                   // by particles or by a controller
-  bool between_close_breaks_ = false;     // the steps that are being taken
+  double error_constant_ = 0;  // of the position, of the method [-]
+  VectorXd local_error_;       // of the position, of the last step (freedoms) [rad or m]
+  VectorXd moved_;             // increment of the coordinates since the start (freedoms)
+  bool loaded_ = false;        // by particles or by a controller
+  // The steps that are being taken: breaks cut those that are four times, or `longest_again` times as long.
+  bool between_close_breaks_ = false, between_breaks_ = false;
   bool resumed_ = false;                  // from a file
   double start_energy_ = 0;               // [J]
   double seconds_ = 0, cpu_seconds_ = 0;  // spent in predict and advance [s]

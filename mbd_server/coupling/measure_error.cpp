@@ -1,4 +1,4 @@
-// The error of a run, measured by running the machine twice more with longer steps.
+// What a run says of its error: which of the ways to measure it is taken, and what stands in its place.
 #include "mbd_server/coupling/mbd_solver.hpp"
 
 #include <fmt/format.h>
@@ -37,9 +37,8 @@ std::vector<bool> machines_that_rest(const Model& model, const std::vector<int>&
 
 }  // namespace
 
-// Returns why the error cannot be measured by simulating the machine alone once more; empty where it can.
+// Returns why the error cannot be measured by simulating the machine once more; empty where it can.
 std::string MbdSolver::obstacle_to_estimate() {
-  if (loaded_) return "loads of particles or a controller act";
   if (control_)
     return fmt::format("the error control took {} steps with local errors of up to {:g} each", state_.steps,
                        control_->tolerance());
@@ -112,41 +111,6 @@ double MbdSolver::local_error_sum() const {
   return largest_share(totals_.local_errors);
 }
 
-RunEnd MbdSolver::run_end() {
-  Machine& m = *machine_;
-  m.system.residual(state_);
-  RunEnd end;
-  for (int b = 0; b < std::ssize(m.model.bodies); ++b)
-    end.bodies.push_back(observe_body(m.model, m.system.links(), b).pose);
-  end.energy = energy(m.model, state_, m.system.links());
-  end.steps = static_cast<double>(state_.steps);
-  end.cubed_steps = totals_.cubed_steps;
-  return end;
-}
-
-// Repeats the motion from the start without particle loads, in about `steps` steps. Returns none where these
-// steps are too long.
-std::optional<RunEnd> MbdSolver::run_again(double end, double steps) {
-  Machine& m = *machine_;
-  const Window window{0, {}, to_nanoseconds(end)};
-  step_ = end / steps;
-  state_ = m.state;
-  totals_.cubed_steps = 0;
-  m.contacts.prepare(state_);
-  m.stiction.prepare(state_);
-  try {
-    m.integrator().start(m.system, state_, cut(end).length);
-    m.system.residual(state_);
-    record_begin_motion();
-    m.balance.begin(state_, m.system);
-    integrate(window);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::numerics) throw;
-    return {};
-  }
-  return run_end();
-}
-
 // How far the two runs of an extrapolation are from each other, and where most, as a share of the reach.
 MbdSolver::Difference MbdSolver::spread_of_extrapolation() {
   if (!machine_->extrapolation || machine_->model.freedoms == 0) return {};
@@ -176,60 +140,41 @@ std::optional<double> MbdSolver::error_of_the_way() {
   return local_error_sum();
 }
 
-// Two runs, with steps that are `factor` and twice `factor` times as long, which may take that share of the
-// iterations of the run.
-void MbdSolver::compare_with_longer_steps(const RunEnd& run, const State& state, double factor, double share,
-                                          ErrorEstimate& estimate) {
-  const bool last = factor <= 2;
-  const RunTotals totals = totals_;
-  const GeneralizedAlpha method = machine_->method;
-  const std::optional<double> step = step_;
-  const auto iterations = static_cast<double>(method.counters().newton_iterations);
-  const double steps = nominal_steps() / factor;
-  const VectorXd reach = this->reach();
-  budget_ = {static_cast<std::uint64_t>(iterations * (1 + share)), last};
-  // The errors of these runs are at least factor^2 times as large as those of the run.
-  machine_->method.loosen(factor * factor);
-  std::optional<RunEnd> ends[2];
-  for (int k = 0; k < 2; ++k) {
-    ends[k] = run_again(state.time, steps / (k + 1));
-    estimate.steps += static_cast<double>(state_.steps);
-    if (!ends[k]) break;
-    machine_->system.difference(state.q, state_.q, moved_);
-    if (moved_.size() > 0) ends[k]->motion = moved_.cwiseQuotient(reach).cwiseAbs().maxCoeff();
-  }
-  state_ = state;
-  totals_ = totals;
-  step_ = step;
-  budget_.reset();
-  machine_->method = method;
-  const double spent = estimate.steps;
-  estimate = ends[1] ? estimate_error(run, *ends[0], *ends[1]) : ErrorEstimate{.reason = unresolved};
-  if (estimate.reason == unresolved && ends[0] && last) complete_estimate(run, *ends[0], estimate);
-  estimate.steps = spent;
-}
-
 // The further runs are short; where their steps do not resolve the motion, two longer ones follow.
 ErrorEstimate MbdSolver::measure_error() {
-  if (const std::string obstacle = obstacle_to_estimate(); !obstacle.empty())
-    return {.motion = error_of_the_way(), .reason = obstacle + where_to_go};
+  // The limit of the rule that judges the sum of the local errors in place of an estimate.
+  constexpr double in_doubt = 0.01;
+  const std::string obstacle = obstacle_to_estimate();
+  const bool doubtful = loaded_ && obstacle.empty() && local_error_sum() > in_doubt && journal_.complete();
+  const std::string loads = loaded_ ? "loads of particles or a controller act" : "";
+  ErrorEstimate estimate{.reason = loaded_ ? loads : obstacle};
+  if (!estimate.reason.empty() && !doubtful) {
+    estimate.motion = error_of_the_way();
+    estimate.reason += where_to_go;
+    return estimate;
+  }
   const RunEnd run = run_end();
-  const State state = state_;
   const double cpu_begin = cpu_seconds(CpuClock::thread);
-  ErrorEstimate estimate{.reason = unresolved};
-  constexpr double far = 19.5, near = 2;
-  if (nominal_steps() >= 10 * far) compare_with_longer_steps(run, state, far, 0.15, estimate);
-  // Much longer steps may end near the right place by chance, as after whole periods of a vibration.
-  const bool by_chance =
-      estimate.motion.value_or(HUGE_VAL) < 0.1 * local_error_sum() && local_error_sum() > 1e-3;
-  if (!estimate.reason.empty() || by_chance) compare_with_longer_steps(run, state, near, 2, estimate);
-  // Steps between close breaks are as long in the further runs, which do not show their errors.
-  if (estimate.motion) *estimate.motion += largest_share(totals_.short_step_errors);
+  constexpr double far = longer_again, near = 2, many = 0.1;
+  // Longer steps say nothing where breaks cut them.
+  const bool by_halves = loaded_ || (static_cast<double>(totals_.steps_between_breaks) >
+                                         many * static_cast<double>(state_.steps) &&
+                                     journal_.complete());
+  if (!loaded_) estimate.reason = unresolved;
+  if (by_halves) {
+    if (const auto halves = compare_with_half_steps(run)) estimate = *halves;
+  } else {
+    if (nominal_steps() >= 10 * far) compare_with_longer_steps(run, far, 0.15, estimate);
+    // Much longer steps may end near the right place by chance, as after whole periods of a vibration.
+    const bool by_chance =
+        estimate.motion.value_or(HUGE_VAL) < 0.1 * local_error_sum() && local_error_sum() > 1e-3;
+    if (!estimate.reason.empty() || by_chance) compare_with_longer_steps(run, near, 2, estimate);
+  }
   if (!estimate.reason.empty()) estimate.reason += where_to_go;
   estimate.cpu_seconds = cpu_seconds(CpuClock::thread) - cpu_begin;
   const Model& model = machine_->model;
   // Where energy is only stored, the residual of the balance is an error.
-  if (!model.damped && !model.driven && !model.powered)
+  if (!loaded_ && !model.damped && !model.driven && !model.powered)
     estimate.energy = std::abs(energy_residual(run.energy));
   return estimate;
 }

@@ -63,6 +63,7 @@ void MbdSolver::record_step(double h) {
   if (!machine_->model.contact.empty()) record_contacts();
   machine_->bottoming.add_step(state_, machine_->system.links(), h, totals_.tyres);
   totals_.cubed_steps += h * h * h;
+  totals_.steps_between_breaks += between_breaks_;
   if (sums_local_errors())
     for (std::size_t i = 0; i < totals_.local_errors.size(); ++i) {
       totals_.local_errors[i] += local_error_[static_cast<Eigen::Index>(i)];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace tandem::mbd {
@@ -47,6 +48,8 @@ struct RunTotals {
   std::vector<double> local_errors, least, most;
   // The part of `local_errors` of steps between breaks of functions of time that are close to each other.
   std::vector<double> short_step_errors;
+  // Number of steps between breaks, not so close, which cut the steps of repetitions; not saved.
+  std::uint64_t steps_between_breaks = 0;
   double largest_residual = 0,
          largest_residual_at = 0;  // of the energy balance at the end of a step [J], [s]
   double cubed_steps = 0;          // sum of the cubes of the lengths of all steps [s3]

@@ -253,6 +253,7 @@ TEST(GeneralizedAlpha, ErrorControlDoesNotAllocate) {
 void expect_windows_without_allocation(bool extrapolate) {
   scene::Scene scene = workshop();
   scene.mbd->integrator.step = 4e-4;
+  scene.end_time = .1;
   scene.mbd->integrator.extrapolate = extrapolate;
   scene.mbd->forces.push_back(scene::Actuator{"brake", JointId{4}, {}, "brake_torque"});
   MbdSolver solver;

@@ -68,7 +68,7 @@ class Generator {
         s.mbd->integrator.extrapolate = true;
         break;
       default:
-        s.mbd->integrator.rho_inf = uniform(.3, 1);
+        s.mbd->integrator.rho_inf = std::max(0., uniform(-.2, 1));
     }
     return s;
   }
