@@ -153,6 +153,11 @@ std::vector<std::string> Solver::warnings_of_run() const {
   for (const std::string& sentence : sensors_.warnings(seen_)) all.push_back(sentence);
   if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)
     all.push_back(fmt::format("{} times a particle of the liquid passed a wall", passed));
+  if (const double left = norm(engine_->figures().pair_impulse_rate); left > 0)
+    all.push_back(
+        fmt::format("the forces between particles do not cancel, but leave {:.3g} N: some particle has "
+                    "a neighbour that does not have it",
+                    left));
   return all;
 }
 
