@@ -155,8 +155,8 @@ std::vector<std::string> Solver::warnings_of_run() const {
     all.push_back(fmt::format("{} times a particle of the liquid passed a wall", passed));
   if (const double left = norm(engine_->figures().pair_impulse_rate); left > 0)
     all.push_back(
-        fmt::format("the forces between particles do not cancel, but leave {:.3g} N: some particle has "
-                    "a neighbour that does not have it",
+        fmt::format("forces between particles should cancel, and leave {:.3g} N: a particle is in the list "
+                    "of another one that is not in its own list",
                     left));
   return all;
 }
