@@ -12,13 +12,11 @@
 namespace tandem::sph {
 namespace {
 
-bool contains(const scene::Outlet& outlet, Vec3d x) {
+OutletRegion region_of(const scene::Outlet& outlet, Vec3d shift) {
   if (const auto* beyond = std::get_if<scene::HalfSpace>(&outlet.region))
-    return dot(x - beyond->point, beyond->normal) > 0;
+    return {true, beyond->point + shift, beyond->normal};
   const auto& box = std::get<scene::Box>(outlet.region);
-  for (int a = 0; a < 3; ++a)
-    if (!(x[a] >= box.min[a] && x[a] < box.max[a])) return false;
-  return true;
+  return {false, box.min + shift, box.max + shift};
 }
 
 }  // namespace
@@ -63,23 +61,25 @@ Traffic::Brought Traffic::drain(LiquidEngine& engine, Vec3d shift, std::vector<s
                                 std::vector<Seen>& seen) const {
   Brought brought;
   if (outlets_.empty()) return brought;
-  const LiquidState state = engine.state();
-  std::vector<std::uint32_t> leaving, stay;
-  for (std::uint32_t i = 0; i < state.size(); ++i) {
-    const auto outlet =
-        std::ranges::find_if(outlets_, [&](const auto& o) { return contains(o, state.position[i] - shift); });
-    if (outlet == outlets_.end()) {
-      stay.push_back(id[i]);
+  std::vector<OutletRegion> regions;
+  for (const scene::Outlet& outlet : outlets_) regions.push_back(region_of(outlet, shift));
+  const std::vector<TakenParticle> taken = engine.take_out(regions);
+  if (taken.empty()) return brought;
+  std::size_t kept = 0;
+  auto next = taken.begin();
+  for (std::uint32_t i = 0; i < id.size(); ++i) {
+    if (next == taken.end() || next->number != i) {
+      id[kept++] = id[i];
       continue;
     }
-    ++seen[inlets_.size() + static_cast<std::size_t>(outlet - outlets_.begin())].particles;
-    leaving.push_back(i);
-    brought.momentum -= liquid_.mass() * state.velocity[i];
-    brought.went += energy_of(liquid_, state.velocity[i], state.compression[i]);
+    const auto outlet =
+        std::ranges::find_if(regions, [&](const OutletRegion& r) { return r.contains(next->position); });
+    ++seen[inlets_.size() + static_cast<std::size_t>(outlet - regions.begin())].particles;
+    brought.momentum -= liquid_.mass() * next->velocity;
+    brought.went += energy_of(liquid_, next->velocity, next->compression);
+    ++next;
   }
-  if (leaving.empty()) return brought;
-  id = std::move(stay);
-  engine.exchange(leaving, {}, engine.poses());
+  id.resize(kept);
   return brought;
 }
 

@@ -121,6 +121,26 @@ struct StartCost {
   double rates_seconds = 0;        // wall time of the rates of all particles [s]
 };
 
+// Where particles leave: beyond a plane through `from` with the normal `to`, or in a box from one to the
+// other.
+struct OutletRegion {
+  bool beyond_plane = false;
+  Vec3d from, to;  // [m], or [-]
+
+  TANDEM_HD bool contains(Vec3d x) const {
+    if (beyond_plane) return dot(x - from, to) > 0;
+    for (int a = 0; a < 3; ++a)
+      if (!(x[a] >= from[a] && x[a] < to[a])) return false;
+    return true;
+  }
+};
+// A particle that has left.
+struct TakenParticle {
+  std::uint32_t number = 0;  // among those before
+  Vec3d position, velocity;  // [m], [m/s]
+  double compression = 0;    // [-]
+};
+
 // Particles that left the domain and were taken out.
 struct LostParticles {
   std::vector<std::uint32_t> index;  // ascending, as they were numbered before
@@ -155,6 +175,9 @@ class LiquidEngine {
   // poses. Rates are computed at once. The next step has no step before it, as the first one.
   virtual void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
                         const std::vector<particles::BodyPose>& poses) = 0;
+  // Takes the particles in any of these regions out, by ascending number; the others keep their order. Where
+  // there are some, rates are computed at once, and the next step has no step before it.
+  virtual std::vector<TakenParticle> take_out(const std::vector<OutletRegion>& regions) = 0;
   // Moves particles apart until walls and particles fill the space evenly. after_step(k) is called after step
   // k. Error{numerics} where a particle leaves the domain.
   virtual void pack(const Packing& how, const std::function<void(int)>& after_step) = 0;

@@ -93,6 +93,7 @@ class LiquidEngineOf final : public LiquidEngine {
   }
   void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
                 const std::vector<particles::BodyPose>& poses) override;
+  std::vector<TakenParticle> take_out(const std::vector<OutletRegion>& regions) override;
 
   LiquidState state() const override {
     const Host host = download();
@@ -596,6 +597,9 @@ class LiquidEngineOf final : public LiquidEngine {
   }
 
   // See engine/lost.hpp.
+  template <class Stays>
+  std::uint32_t mark_staying(Stays stays);
+  std::vector<TakenParticle> take_unmarked(std::uint32_t particles);
   void take_out_lost();
   // See engine/cell_order.hpp.
   void take(const Buffer<std::uint32_t>& source, std::size_t n);
@@ -707,7 +711,8 @@ class LiquidEngineOf final : public LiquidEngine {
   WayBound way_;            // of particles since then
   bool keeps_all_ = false;  // a particle outside the domain is an error
   LostParticles lost_;
-  Buffer<std::uint32_t> before_;  // numbers of particles, see ListBesideWalls and KeepEntry
+  Buffer<OutletRegion> outlets_;                  // see take_out()
+  Buffer<std::uint32_t> before_, before_number_;  // numbers of particles, see ListBesideWalls and PartLost
   Buffer<std::uint32_t> beside_wall_;
   Buffer<WallSums> of_walls_;
   std::uint32_t beside_walls_ = 0;
