@@ -711,8 +711,9 @@ class LiquidEngineOf final : public LiquidEngine {
   WayBound way_;            // of particles since then
   bool keeps_all_ = false;  // a particle outside the domain is an error
   LostParticles lost_;
-  Buffer<OutletRegion> outlets_;                  // see take_out()
-  Buffer<std::uint32_t> before_, before_number_;  // numbers of particles, see ListBesideWalls and PartLost
+  Buffer<OutletRegion> outlets_;                            // see take_out()
+  Buffer<std::uint32_t> before_;                            // see ListBesideWalls
+  Buffer<std::uint32_t> stay_before_, stay_before_number_;  // see PartLost
   Buffer<std::uint32_t> beside_wall_;
   Buffer<WallSums> of_walls_;
   std::uint32_t beside_walls_ = 0;

@@ -63,30 +63,31 @@ struct PartLost {
   }
 };
 
-// Marks the particles for which stays(i) holds in `before_` and `before_number_`, and returns how many others
-// there are.
+// Marks the particles for which stays(i) holds in `stay_before_` and `stay_before_number_`, and returns how
+// many others there are.
 template <class Exec, class Real, bool shifting>
 template <class Stays>
 std::uint32_t LiquidEngineOf<Exec, Real, shifting>::mark_staying(Stays stays) {
-  for (auto* before : {&before_, &before_number_}) {
+  for (auto* before : {&stay_before_, &stay_before_number_}) {
     exec_.grow(*before, count_ + 1);
     exec_.zero(*before, count_ + 1);
   }
   return exec_
       .template reduce<LostCount>(
-          count(), MarkStaying<Stays>{stays, memory_.number.data(), before_.data(), before_number_.data()})
+          count(),
+          MarkStaying<Stays>{stays, memory_.number.data(), stay_before_.data(), stay_before_number_.data()})
       .particles;
 }
 
 template <class Exec, class Real, bool shifting>
 std::vector<TakenParticle> LiquidEngineOf<Exec, Real, shifting>::take_unmarked(std::uint32_t particles) {
-  exec_.exclusive_sum(before_, count() + 1);
-  exec_.exclusive_sum(before_number_, count() + 1);
+  exec_.exclusive_sum(stay_before_, count() + 1);
+  exec_.exclusive_sum(stay_before_number_, count() + 1);
   Buffer<std::uint32_t> kept;
   Buffer<TakenParticle> found;
   exec_.grow(kept, count_);
   exec_.grow(found, particles);
-  exec_.for_each(count(), PartLost<Real>{liquid_, centres_, before_.data(), before_number_.data(),
+  exec_.for_each(count(), PartLost<Real>{liquid_, centres_, stay_before_.data(), stay_before_number_.data(),
                                          kept.data(), found.data()});
   std::vector<TakenParticle> taken(particles);
   exec_.download(found, std::span(taken));

@@ -100,6 +100,27 @@ TEST(Inlet, HasLayersOfParticlesAndAPiston) {
   EXPECT_NEAR(inlets[1].thickness * area, 1e-6 * static_cast<double>(inlets[1].site.size()), 1e-15);
 }
 
+// It is looked into between two windows, which must not disturb what the steps need.
+TEST(Outlet, WithoutLiquidInItChangesNothing) {
+  nlohmann::json scene = channel();
+  scene["gravity"] = {0, 0, -9.81};
+  scene["sph"].erase("inlets");
+  scene["sph"]["walls"][0]["shape"].erase("open");
+  scene["sph"]["liquids"][0]["expected_speed"] = 1;
+  scene["sph"]["liquids"][0]["fill"] =
+      nlohmann::json::parse(R"([{"type": "box", "min": [0, -0.02, 0], "max": [0.08, 0.02, 0.03]}])");
+  scene["sph"]["outlets"][0]["region"]["point"] = {0.3, 0, 0};
+  TrafficRun with(scene);
+  scene["sph"].erase("outlets");
+  TrafficRun without(scene);
+  for (int k = 0; k < 4; ++k) {
+    const Vec3d force = with.advance().bodies.at(0).mean.force,
+                expected = without.advance().bodies.at(0).mean.force;
+    EXPECT_TRUE(force == expected);
+  }
+  EXPECT_EQ(with.solver->observe().position, without.solver->observe().position);
+}
+
 TEST(Inlet, IsRefusedWhereAWallPassesThroughIt) {
   nlohmann::json scene = channel();
   scene["sph"]["inlets"][0]["position"] = {0, 0.02, 0.02};
