@@ -191,9 +191,9 @@ class _Work:
 
     def _counts(self, point: Point):
         setting = self._setting(point)
-        step = setting.share * self.critical * math.sqrt(setting.divisor)
-        windows = self.scene.end_time / setting.window
-        return windows * math.ceil(setting.window / step * (1 - 1e-9)), windows
+        longest = changes.longest_window(self.scene, setting.window)
+        steps = round(longest / self.step) if point == (0, 0, 0) else self._steps_in(setting)
+        return self.scene.end_time / longest * steps, self.scene.end_time / setting.window
 
     def _outcome(self, point: Point) -> Outcome:
         found = self.found
@@ -205,7 +205,7 @@ class _Work:
             candidate = self._run(setting, list(range(1, self.starts + 1)))
         found.candidates.append(candidate)
         self.by_point[point] = candidate
-        self._say(f"[{len(found.candidates)}] {setting}: " + (shortened(candidate.fault, 100) or ", ".join(f"{n} {percent(e)}" for n, e in candidate.errors.items())) +
+        self._say(f"[{len(found.candidates)}] {candidate.setting}: " + (shortened(candidate.fault, 100) or ", ".join(f"{n} {percent(e)}" for n, e in candidate.errors.items())) +
                   (f"; {candidate.wall_s:.3g} s" if candidate.times else ""))
         return self._judged(candidate, candidate.errors)
 
@@ -215,10 +215,14 @@ class _Work:
         return Outcome([error / self.found.wanted for error in errors.values()], parts.get("dem", 0), windows,
                        max(0.0, (candidate.wall_s if candidate.times else math.inf) - parts.get("dem", 0) - windows), candidate.fault)
 
+    def _steps_in(self, setting: Setting) -> int:
+        """Micro steps of the longest window."""
+        critical = self.critical * math.sqrt(setting.divisor)
+        return changes.steps_in(changes.longest_window(self.scene, setting.window), setting.share * critical, changes.LONGEST_STEP * critical)
+
     def _step_of(self, setting: Setting) -> float:
-        """The critical time goes with the root of the modulus. Rounded down, so that it stays below the limit."""
-        step = setting.share * self.critical * math.sqrt(setting.divisor)
-        return float(f"{step * (1 - 5e-7):.6e}")
+        """[s]: of a window that holds whole steps."""
+        return min(changes.longest_window(self.scene, setting.window) / self._steps_in(setting), setting.window)
 
     def _run(self, setting: Setting, starts: List[int]) -> Candidate:
         rows = self._swept(lambda modulus, step, window, start: changes.softened(self.scene, self.taken, modulus, step, window, start, 1.0),
@@ -259,13 +263,13 @@ class _Work:
         found, chosen = self.found, self.found.chosen
         own = self.scene.data["dem"].get("overlap_limit", 0.05)
         limit = own if isinstance(own, str) or chosen.overlap <= own else min(1.0, math.ceil(120 * chosen.overlap) / 100)
-        scene = changes.softened(self.scene, self.taken, chosen.setting.divisor, self._step_of(chosen.setting), chosen.setting.window, 1, limit)
+        scene = changes.softened(self.scene, self.taken, chosen.setting.divisor, self._step_of(chosen.asked), chosen.setting.window, 1, limit)
         evidence = ", ".join(f"{name} {percent(error)} (scatter {percent(found.scatter[name])})" if len(chosen.rows) > 1 else f"{name} {percent(error)}"
                              for name, error in chosen.errors.items())
         scene.description = (self.scene.description + " " if self.scene.description else "") + (
             f"Softened by tandem soften: {chosen.setting}; error against the stiff scene: {evidence}; overlaps up to {chosen.overlap:.2g}.")
         row = self._swept(lambda written: scene, written=[1])[0]
-        again = Candidate(chosen.setting, [row])
+        again = Candidate(chosen.asked, [row])
         self._find_errors(again)
         if again.fault or "overlap" in again.rules and "overlap" not in found.stiff.rules or again.errors != chosen.first_errors:
             raise SceneError(f"the softened scene does not repeat what was found: {again.fault or 'its errors differ'}", str(row.folder),

@@ -13,7 +13,7 @@ import tandem as td
 from tandem.signals import Signal
 from tandem.soften_command import numbers, scene_of
 from tandem.soften_errors import Measure, error_of_text
-from tandem.soften_scene import expect_window, moduli_of_library, random_fills, shares, softened, windows
+from tandem.soften_scene import expect_window, moduli_of_library, random_fills, shares, softened, steps_in, windows
 from tandem.soften_words import reading
 
 
@@ -69,6 +69,13 @@ class Changes(unittest.TestCase):
         s.section("coupling")["adaptive"] = {"min_window": 1e-4, "max_window": 1e-3}
         self.assertEqual(windows(s, 1e-3), [.001])
         self.assertEqual(softened(s, {}, 4, 0, 2e-3).window, 1e-3)
+
+
+    def test_a_window_holds_whole_steps(self):
+        """The step is none longer than asked; a longer one than the window is as long as it; one at the limit stays below it."""
+        self.assertEqual([steps_in(1e-3, step, .39e-3) for step in (1e-4, 9.99e-5, 1.01e-4, .3e-3, .37e-3)], [10, 11, 10, 4, 3])
+        self.assertEqual(steps_in(1e-3, 4e-3, 5e-3), 1)
+        self.assertEqual(steps_in(1e-3, 2e-4, 2e-4), 6)
 
 
 class Errors(unittest.TestCase):
