@@ -12,7 +12,7 @@ from tandem.scenes import Scene
 from tandem.soften_candidates import Candidate, Setting
 from tandem.soften_errors import Measure, error_of_text
 from tandem.soften_search import MODULUS, STEP, WINDOW, Outcome, Point, Search
-from tandem.soften_words import percent, reading, shortened, table
+from tandem.soften_words import doubts, percent, reading, shortened, stiff_mark, table
 from tandem.sweeps import Row, sweep
 
 AXES = {MODULUS: "modulus", STEP: "micro step", WINDOW: "window"}
@@ -60,7 +60,7 @@ class Softening:
                               [f"{errors[n]:.4g}" if math.isfinite(errors.get(n, math.nan)) else "" for n in names] +
                               [f"{t:.4g}" for t in (each.wall_s, min(each.times, default=math.nan), max(each.times, default=math.nan))] +
                               [f"{each.parts.get(p, math.nan):.4g}" for p in ("dem", "mbd", "exchange", "output")] +
-                              [each.steps, each.windows, f"{each.overlap:.3g}", each.fault])
+                              [each.steps, each.windows, f"{each.overlap:.3g}", stiff_mark(each) if kind == "stiff" and each.status == "suspect" else each.fault])
         (self.folder / "reading.txt").write_text(self.reading() + "\n")
 
     def __repr__(self) -> str:
@@ -184,6 +184,8 @@ class _Work:
         for measure in found.measures:
             found.scatter[measure.of] = _rms([measure.error(a, b) for a, b in pairs])
         self._say(f"stiff: {found.stiff.wall_s:.3g} s" + "".join(f", {name} scatters by {percent(s)}" for name, s in found.scatter.items() if pairs))
+        for line in doubts(found.stiff)[:-1]:
+            self._say(line)
         self.by_point: Dict[Point, Candidate] = {(0, 0, 0): found.stiff}
 
     def _setting(self, point: Point) -> Setting:
@@ -267,7 +269,8 @@ class _Work:
         evidence = ", ".join(f"{name} {percent(error)} (scatter {percent(found.scatter[name])})" if len(chosen.rows) > 1 else f"{name} {percent(error)}"
                              for name, error in chosen.errors.items())
         scene.description = (self.scene.description + " " if self.scene.description else "") + (
-            f"Softened by tandem soften: {chosen.setting}; error against the stiff scene: {evidence}; overlaps up to {chosen.overlap:.2g}.")
+            f"Softened by tandem soften: {chosen.setting}; error against the stiff scene: {evidence}; overlaps up to {chosen.overlap:.2g}." +
+            " ".join([""] + [line.strip() for line in doubts(found.stiff)]).rstrip())
         row = self._swept(lambda written: scene, written=[1])[0]
         again = Candidate(chosen.asked, [row])
         self._find_errors(again)

@@ -167,9 +167,13 @@ class Refusals(unittest.TestCase):
         with self.assertRaisesRegex(td.SceneError, "'mouth=wide' gives no value"):
             scene_of(str(self.folder / "s.json"), ["mouth=wide"])
 
-    def test_an_error_below_the_scatter(self):
-        stiff = SimpleNamespace(setting=SimpleNamespace(divisor=1, window=1e-3), share=.2, parts={}, wall_s=1.0, overlap=.01, fault="")
+    def test_a_suspect_stiff_scene_and_an_error_below_its_scatter(self):
+        stiff = SimpleNamespace(setting=SimpleNamespace(divisor=1, window=1e-3), share=.2, parts={}, wall_s=1.0, overlap=.01, fault="",
+                                status="suspect", rules={"overlap": "spheres overlap by 0.14"})
         found = SimpleNamespace(measures=[Measure("hinge.q")], stiff=stiff, candidates=[], scatter={"hinge.q": .0123}, wanted=.01, chosen=None)
+        self.assertIn("WARNING: the scene as it is is itself suspect.", reading(found))
+        self.assertIn("\n  overlap: spheres overlap by 0.14\n", reading(found))
+        self.assertIn("SUSPECT by overlap; stiff: its errors are the scatter", reading(found))
         self.assertIn("differ by 1.2 % of hinge.q, so that a smaller error means nothing\nwrite --error 2%", reading(found))
 
 
