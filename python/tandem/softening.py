@@ -6,7 +6,7 @@ import os
 import pathlib
 from typing import Dict, List, Optional, Sequence, Union
 
-from tandem import soften_scene as changes
+from tandem import soften_checks as checks, soften_scene as changes
 from tandem.entries import SceneError
 from tandem.scenes import Scene
 from tandem.soften_candidates import Candidate, Setting
@@ -83,6 +83,7 @@ def soften(scene: Scene, error: Union[float, str], of: Union[str, Sequence[str]]
     modulus  divisors to try;  step  shares of the critical time to try;  window  windows to try [s]; by default twice as large each
     file     of the softened scene, NAME_soft.json in the folder by default
     most     settings that are run at most;  jobs, threads, out, limit, backend, retry  as of sweep()"""
+    checks.expect_numbers({"modulus": modulus, "step": step, "window": window}, overlap)
     work = _Work(scene, error_of_text(str(error)), [of] if isinstance(of, str) else list(of), starts, overlap, out, progress,
                  dict(jobs=jobs, threads=threads, limit=limit, backend=backend, retry=retry, progress=False))
     return work.do(modulus, step, window, most, file)
@@ -92,14 +93,8 @@ class _Work:
     """Runs one softening."""
 
     def __init__(self, scene, wanted, of, starts, overlap, out, progress, options):
-        changes.expect_grains(scene)
-        if not of:
-            raise SceneError("no result is named whose error is to be kept", "--of", "for instance --of hinge.q")
-        if starts > 1 and not changes.random_fills(scene):
-            raise SceneError("the start of the scene has no random numbers, so that its scatter cannot be found", "dem.particles",
-                             "give the fill a jitter, or write --starts 1 to judge errors without the scatter")
-        if not isinstance(scene.window, (int, float)):
-            raise SceneError(f"coupling.window is the expression '{scene.window}'", scene.name, "write it as a number")
+        checks.expect_scene(scene, starts)
+        checks.expect_results(of, scene.end_time)
         self.scene, self.starts, self.largest_overlap, self.options, self.progress = scene, starts, overlap, options, progress
         folder = pathlib.Path(out or pathlib.Path("out") / f"soften_{scene._file_name()}").absolute()
         if folder.is_dir() and any(folder.iterdir()) and not (folder / "soften.json").is_file():
@@ -182,6 +177,7 @@ class _Work:
         self.critical = min(r.summary["critical_time_s"] for r in results)  # radii, too, depend on the start
         pairs = [(a, b) for i, a in enumerate(results) for b in results[:i]]
         for measure in found.measures:
+            measure.expect_to_change(results)
             found.scatter[measure.of] = _rms([measure.error(a, b) for a, b in pairs])
         self._say(f"stiff: {found.stiff.wall_s:.3g} s" + "".join(f", {name} scatters by {percent(s)}" for name, s in found.scatter.items() if pairs))
         for line in doubts(found.stiff)[:-1]:
@@ -240,7 +236,10 @@ class _Work:
             for measure in self.found.measures:
                 errors = [measure.error(row.results, right) for row, right in zip(candidate.rows, stiff)]
                 candidate.errors[measure.of], candidate.first_errors[measure.of] = _rms(errors), errors[0]
-            if fresh:
+            lost = [name for name, error in candidate.errors.items() if not math.isfinite(error)]
+            if lost:
+                candidate.fault = f"{', '.join(lost)} is no finite number"
+            elif fresh:
                 candidate.fault = "suspect by " + "; ".join(f"{rule}: {text}" for rule, text in fresh.items())
             elif candidate.overlap > self.largest_overlap:
                 candidate.fault = f"overlaps up to {candidate.overlap:.2g} of the radius, more than {self.largest_overlap:g}"

@@ -114,6 +114,20 @@ class Errors(unittest.TestCase):
             self.error("w.q", self.results([1, 2]), self.results([1, 2], dt=.07))
 
 
+    def test_results_to_which_no_error_is_relative(self):
+        """Refused after the runs of the stiff scene, also where all starts agree."""
+        def runs(signal, *numbers_):
+            signal = Signal("w.q", np.arange(1, 4) * .1, np.array(signal, float))
+            return [type("Run", (dict,), {"reduce": lambda self, of, v=v: v})({"w.q": signal}) for v in numbers_]
+        for of, stiff, wanted in (("w.q", runs([1, 1, 1], 0, 0), "does not change"), ("w.q:mean", runs([1, 1, 1], 1, 1), "does not change"),
+                                  ("w.q:mean", runs([0, 1, 2], 1, 0), "is 0 in"), ("w.q:mean", runs([0, 1, 2], 1, math.nan), "is nan in"),
+                                  ("summary.n", runs([0, 1, 2], 7, 7), "the same from all starts"), ("w.q", runs([0, math.nan, 1], 0), "no finite numbers")):
+            with self.subTest(of=of, wanted=wanted), self.assertRaisesRegex(td.SceneError, wanted):
+                Measure(of).expect_to_change(stiff)
+        for of, stiff in (("w.q", runs([0, 1, 2], 0, 0)), ("w.q:mean", runs([0, 1, 2], 1, 1)), ("summary.n", runs([0, 1, 2], 7)), ("summary.n", runs([0, 1, 2], 7, 8))):
+            Measure(of).expect_to_change(stiff)
+
+
 class Refusals(unittest.TestCase):
     def setUp(self):
         holder = tempfile.TemporaryDirectory()
@@ -143,6 +157,19 @@ class Refusals(unittest.TestCase):
         (self.folder / "out").mkdir()
         (self.folder / "out" / "mine").touch()
         self.assertIn("is no folder of a softening", self.refusal(bed()))
+
+    def test_words_of_python(self):
+        """Before anything runs, and as errors that say what to write."""
+        for keys, wanted in (({"starts": 0}, "--starts: 0 is no number of random starts"), ({"modulus": 8}, r"--modulus: 8 is no list .*modulus=\[8\]"),
+                             ({"step": [math.nan]}, "--step: nan is no finite number"), ({"modulus": [math.inf]}, "--modulus: inf is no finite"),
+                             ({"overlap": math.nan}, "--overlap: nan is no overlap"), ({"window": ["a"]}, "--window: 'a' is no finite number"),
+                             ({"of": ["floor.force:mean:.5:.9"]}, "outside the run, which ends at 0.4 s"), ({"of": ["f:mean:0:9"]}, "outside the run"),
+                             ({"of": ["floor.force:mean:.3:.2"]}, "before the other one"), ({"of": ["floor.force:meen"]}, "did you mean 'mean'"),
+                             ({"of": ["floor.force:mean:nan"]}, "a time that is no number"), ({"of": [7]}, "7 is no name of a result")):
+            with self.subTest(keys=keys):
+                self.assertRegex(self.refusal(bed(), **keys), wanted)
+        self.assertIn("'s.json' is no scene (write td.soften(td.load(", self.refusal("s.json"))
+        self.assertFalse((self.folder / "out").exists())
 
     def test_windows(self):
         with self.assertRaisesRegex(td.SceneError, r"output.frame_interval of 0.02 s is no whole number of windows of 0.003 s \(these fit: 0.002, 0.004, 0.01, 0.02\)"):
