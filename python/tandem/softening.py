@@ -1,8 +1,6 @@
 """Softer grains at a stated error: runs, judges and writes what soften_search chooses."""
 import csv
-import json
 import math
-import os
 import pathlib
 from typing import Dict, List, Optional, Sequence, Union
 
@@ -11,6 +9,7 @@ from tandem.entries import SceneError
 from tandem.scenes import Scene
 from tandem.soften_candidates import Candidate, Setting
 from tandem.soften_errors import Measure, error_of_text
+from tandem.soften_folder import Folder
 from tandem.soften_search import MODULUS, STEP, WINDOW, Outcome, Point, Search
 from tandem.soften_words import doubts, percent, reading, shortened, stiff_mark, table
 from tandem.sweeps import Row, sweep
@@ -84,34 +83,34 @@ def soften(scene: Scene, error: Union[float, str], of: Union[str, Sequence[str]]
     file     of the softened scene, NAME_soft.json in the folder by default
     most     settings that are run at most;  jobs, threads, out, limit, backend, retry  as of sweep()"""
     checks.expect_numbers({"modulus": modulus, "step": step, "window": window}, overlap)
-    work = _Work(scene, error_of_text(str(error)), [of] if isinstance(of, str) else list(of), starts, overlap, out, progress,
+    work = _Work(scene, error_of_text(str(error)), [of] if isinstance(of, str) else list(of), starts, overlap, window, out, file, progress,
                  dict(jobs=jobs, threads=threads, limit=limit, backend=backend, retry=retry, progress=False))
-    return work.do(modulus, step, window, most, file)
+    try:
+        return work.do(modulus, step, window, most)
+    finally:
+        work.folder.release()
 
 
 class _Work:
     """Runs one softening."""
 
-    def __init__(self, scene, wanted, of, starts, overlap, out, progress, options):
+    def __init__(self, scene, wanted, of, starts, overlap, window, out, file, progress, options):
         checks.expect_scene(scene, starts)
         checks.expect_results(of, scene.end_time)
         self.scene, self.starts, self.largest_overlap, self.options, self.progress = scene, starts, overlap, options, progress
-        folder = pathlib.Path(out or pathlib.Path("out") / f"soften_{scene._file_name()}").absolute()
-        if folder.is_dir() and any(folder.iterdir()) and not (folder / "soften.json").is_file():
-            raise SceneError(f"'{folder}' has files, but is no folder of a softening", hint="give another --out", made_at="the command line")
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "soften.json").write_text(json.dumps({"tandem": "soften", "scene": scene.name}) + "\n")
-        self.found = Softening(folder, [Measure(name) for name in of], wanted)
+        for each in window:
+            changes.expect_window(scene, each)
+        self.folder = Folder(scene, out, file)
+        self.found = Softening(self.folder.path, [Measure(name) for name in of], wanted)
         self.taken: Dict[str, float] = {}
 
-    def do(self, modulus, step, window, most, file) -> Softening:
-        for each in window:
-            changes.expect_window(self.scene, each)
+    def do(self, modulus, step, window, most) -> Softening:
         self._probe()
         self.levels = [[1.0] + sorted(float(d) for d in modulus) if modulus else changes.moduli(),
                        [self.share] + sorted(map(float, step)) if step else changes.shares(self.share),
                        [self.scene.window] + sorted(map(float, window)) if window else changes.windows(self.scene, self.scene.window)]
         self._expect_levels()
+        self.folder.forget_earlier_results()
         self._run_stiff()
         found = self.found
         if not any(found.scatter[m.of] > found.wanted for m in found.measures):
@@ -121,7 +120,7 @@ class _Work:
             found.limits = [self._limit(axis) for axis in AXES]
             if best != (0, 0, 0):
                 found.chosen = self.by_point[best]
-                self._write_scene(file)
+                self._write_scene()
         found.write()
         return found
 
@@ -259,7 +258,7 @@ class _Work:
                    "error": ", ".join(f"{name} {percent(candidate.errors[name])}" for name in names)}[why]
         return f"{AXES[axis]}: {candidate.setting} has {because}" if why == "error" else f"{AXES[axis]}: {candidate.setting}: {because}"
 
-    def _write_scene(self, file: Optional[str]) -> None:
+    def _write_scene(self) -> None:
         """The softened scene, which is run once: with its overlap_limit it must not be suspect for another reason than the stiff one."""
         found, chosen = self.found, self.found.chosen
         own = self.scene.data["dem"].get("overlap_limit", 0.05)
@@ -277,11 +276,8 @@ class _Work:
             raise SceneError(f"the softened scene does not repeat what was found: {again.fault or 'its errors differ'}", str(row.folder),
                              "a bug of tandem: please report it")
         found.scene, found.overlap_limit = scene, limit
-        found.file = pathlib.Path(file).absolute() if file else found.folder / f"{self.scene._file_name()}_soft.json"
-        text = scene.json(str(found.file.parent)) + "\n"
-        draft = found.file.with_name(f".{found.file.name}.{os.getpid()}.new")
-        draft.write_text(text)
-        draft.replace(found.file)
+        found.file = self.folder.file
+        self.folder.write_scene(scene)
 
 
 def _rms(values: List[float]) -> float:

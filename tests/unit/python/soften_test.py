@@ -13,6 +13,7 @@ import tandem as td
 from tandem.signals import Signal
 from tandem.soften_command import numbers, scene_of
 from tandem.soften_errors import Measure, error_of_text
+from tandem.soften_folder import Folder
 from tandem.soften_scene import expect_window, moduli_of_library, random_fills, shares, softened, steps_in, windows
 from tandem.soften_words import reading
 
@@ -205,6 +206,64 @@ class Refusals(unittest.TestCase):
 
 
 class Files(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.at = pathlib.Path(holder.name).resolve()
+
+    def folder(self, s=None, out="out", file=None):
+        claimed = Folder(s or bed(), str(self.at / out), file and str(self.at / file))
+        self.addCleanup(claimed.release)
+        return claimed
+
+    def test_the_input_is_not_overwritten(self):
+        """Neither by -o, nor by the default of a scene that the folder's own runs made."""
+        bed().save(str(self.at / "bed.json"))
+        with self.assertRaisesRegex(td.SceneError, "-o: .*bed.json' is the scene itself, which the softened scene would overwrite"):
+            self.folder(td.load(str(self.at / "bed.json")).copy(), file="bed.json")
+        self.folder().write_scene(bed())
+        with self.assertRaisesRegex(td.SceneError, "is the scene itself"):
+            self.folder(td.load(str(self.at / "out" / "bed_soft.json")))
+        with self.assertRaisesRegex(td.SceneError, "bed_soft.json' was made by the softening in"):
+            self.folder(td.load(str(self.at / "out" / "bed_soft.json")), file="new.json")
+        first = self.folder(out="two", file="new.json")
+        first.write_scene(bed())
+        first.release()
+        with self.assertRaisesRegex(td.SceneError, "new.json' was made by"):
+            self.folder(td.load(str(self.at / "new.json")), out="two")
+        self.folder(td.load(str(self.at / "new.json")), out="three")
+
+    def test_places_that_cannot_be_written(self):
+        for file, wanted in (("none/a.json", "there is no folder '.*none'"), (".", "is a folder"), ("out/soften.png", "is a file of the softening")):
+            with self.assertRaisesRegex(td.SceneError, wanted):
+                self.folder(file=file)
+        self.assertFalse((self.at / "out").exists())
+        (self.at / "out").touch()
+        with self.assertRaisesRegex(td.SceneError, "is no folder"):
+            self.folder()
+
+    def test_one_softening_at_a_time(self):
+        first = self.folder()
+        with self.assertRaisesRegex(td.SceneError, "another softening works in '.*out'"):
+            self.folder()
+        first.release()
+        self.folder()
+
+    def test_earlier_results_do_not_stay(self):
+        """Where a second call writes nothing, nothing is there; a scene that was changed by hand stays."""
+        for changed in (False, True):
+            first = self.folder(file="soft.json")
+            first.write_scene(bed())
+            (self.at / "out" / "soften.png").touch()
+            first.release()
+            if changed:
+                (self.at / "soft.json").write_text("{}")
+            second = self.folder()
+            second.forget_earlier_results()
+            second.release()
+            self.assertEqual((self.at / "soft.json").exists(), changed)
+            self.assertEqual(sorted(p.name for p in (self.at / "out").iterdir()), [".lock", "soften.json"])
+
     def test_a_softened_scene_is_plain(self):
         text = json.loads(softened(bed(), {}, 16, 2e-5, 2e-3, 1, .3).json())
         self.assertEqual(set(text), set(json.loads(bed().json())))
