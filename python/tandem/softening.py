@@ -84,7 +84,7 @@ def soften(scene: Scene, error: Union[float, str], of: Union[str, Sequence[str]]
     most     settings that are run at most;  jobs, threads, out, limit, backend, retry  as of sweep()"""
     checks.expect_numbers({"modulus": modulus, "step": step, "window": window}, overlap)
     work = _Work(scene, error_of_text(str(error)), [of] if isinstance(of, str) else list(of), starts, overlap, window, out, file, progress,
-                 dict(jobs=jobs, threads=threads, limit=limit, backend=backend, retry=retry, progress=False))
+                 dict(jobs=jobs, threads=threads, limit=limit, backend=backend, retry=retry, progress=False, timed=True))
     try:
         return work.do(modulus, step, window, most)
     finally:

@@ -62,6 +62,13 @@ class Sweeps(Case):
         self.sweep(x=[-1, 2, 3], retry=True)
         self.assertEqual(self.runs(), ["-1", "2", "3", "-1"])
 
+    def test_other_threads_run_anew(self):
+        """Where they are given; with `timed` also where they follow from the jobs, or the jobs alone are others."""
+        for keys, count in (({}, 1), ({"jobs": 2}, 1), ({"threads": 1}, 2), ({"threads": 1, "jobs": 2}, 2), ({"threads": 2}, 3),
+                            ({"timed": True}, 4), ({"timed": True}, 4), ({"timed": True, "jobs": 2}, 5), ({"timed": True, "threads": 5, "jobs": 2}, 6)):
+            self.sweep(x=[2], **keys)
+            self.assertEqual(len(self.runs()), count, keys)
+
     def test_a_changed_scene_runs_anew(self):
         self.sweep(x=[2])
         self.s.end_time = 2
