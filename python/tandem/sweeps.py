@@ -15,9 +15,8 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Unio
 from tandem.entries import SceneError, nearest, plain
 from tandem.program import find_tandem
 from tandem.scenes import Scene
+from tandem.sweep_scores import Score, expect_words, score_of
 from tandem.variants import Variant, digest_of, state_of, variant_key
-
-Score = Union[str, Sequence[str], Callable[[Any], Any], None]
 
 
 class Row:
@@ -156,6 +155,7 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
                 raise SceneError(f"the scene has no parameter '{name}'" + nearest(name, known), "parameters")
         build: Callable[..., Scene] = lambda **v: scene.copy().set(**v)  # noqa: E731
         label = scene._file_name()
+        expect_words(score, scene.end_time)
     else:
         build, label = scene, getattr(scene, "__name__", "variants")
     lists = [[plain(v) for v in ([vs] if isinstance(vs, (int, float, str)) else vs)] for vs in values.values()]
@@ -163,7 +163,8 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
     _claim(folder, names)
     rows = [Row(dict(zip(names, point)), variant_key(names, point), folder / "variants" / variant_key(names, point))
             for point in itertools.product(*lists)]
-    work = _Work(Sweep(folder, names, rows), build, _score_of(score), max(1, jobs), threads, limit, backend, retry, progress, timed, list(arguments))
+    wanted = score_of(score, same_columns=isinstance(scene, Scene))
+    work = _Work(Sweep(folder, names, rows), build, wanted, max(1, jobs), threads, limit, backend, retry, progress, timed, list(arguments))
     part, parts = (int(word) for word in share.split("/")) if share else (1, 1)
     work.do([row for i, row in enumerate(rows) if i % parts == (part - 1) % parts])
     return work.sweep
@@ -174,19 +175,6 @@ def _claim(folder: pathlib.Path, names: List[str]) -> None:
         raise SceneError(f"'{folder}' has files, but is no folder of a sweep", hint="give another out=")
     (folder / "variants").mkdir(parents=True, exist_ok=True)
     (folder / "sweep.json").write_text(json.dumps({"tandem": "sweep", "parameters": names}) + "\n")
-
-
-def _score_of(score: Score) -> Callable[[Any], Dict[str, float]]:
-    if score is None:
-        return lambda results: {}
-    if isinstance(score, str):
-        score = [score]
-    if callable(score):
-        def call(results: Any) -> Dict[str, float]:
-            value = score(results)
-            return {k: float(v) for k, v in value.items()} if isinstance(value, dict) else {"score": float(value)}
-        return call
-    return lambda results: {of: results.reduce(of) for of in score}
 
 
 class _Work:
@@ -308,5 +296,7 @@ class _Work:
                 row.scores = self.score(results)
                 odd = [f"{name} is {value}" for name, value in row.scores.items() if not math.isfinite(value)]
                 row.reason = "; ".join(filter(None, [row.reason, *odd]))
+            except SceneError:
+                raise
             except Exception as error:  # noqa: B902 (of the user's score)
                 row.reason = " ".join(f"no score: {error.args[0] if isinstance(error, KeyError) else error}".split())
