@@ -1,7 +1,6 @@
 """What `tandem soften` refuses before anything runs."""
 import math
-import pathlib
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, Sequence
 
 from tandem import soften_scene as changes
 from tandem.entries import SceneError

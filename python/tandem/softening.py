@@ -59,7 +59,7 @@ class Softening:
                               [f"{errors[n]:.4g}" if math.isfinite(errors.get(n, math.nan)) else "" for n in names] +
                               [f"{t:.4g}" for t in (each.wall_s, min(each.times, default=math.nan), max(each.times, default=math.nan))] +
                               [f"{each.parts.get(p, math.nan):.4g}" for p in ("dem", "mbd", "exchange", "output")] +
-                              [each.steps, each.windows, f"{each.overlap:.3g}", stiff_mark(each) if kind == "stiff" and each.status == "suspect" else each.fault])
+                              [each.steps, each.windows, f"{each.overlap:.3g}", each.fault or (stiff_mark(each) if each is self.stiff else "")])
         (self.folder / "reading.txt").write_text(self.reading() + "\n")
 
     def __repr__(self) -> str:
