@@ -8,6 +8,7 @@ import numpy as np
 
 from tandem.entries import nearest
 from tandem.frames import Frame, Frames, mass_in_hull
+from tandem.reductions import REDUCTIONS
 from tandem.signals import FILES, UNITS, Columns, Signal
 
 
@@ -201,11 +202,14 @@ class Results:
                 if not isinstance(value, dict) or key not in value:
                     raise KeyError(f"summary.json has no '{column[8:]}'" + nearest(key, value if isinstance(value, dict) else []))
                 value = value[key]
+            if value is None:
+                raise ValueError(f"'{column[8:]}' of summary.json is null")
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise KeyError(f"'{column[8:]}' of summary.json is no number, but {json.dumps(value)[:60]}")
             return float(value)
         how = rest[0] if rest else "last"
-        known = ("last", "mean", "min", "max", "range", "period", "integral")
-        if how not in known:
-            raise KeyError(f"there is no reduction '{how}' in '{of}'" + nearest(how, known))
+        if how not in REDUCTIONS:
+            raise KeyError(f"there is no reduction '{how}' in '{of}'" + nearest(how, REDUCTIONS))
         signal = self[column]
         if isinstance(signal, Element):
             raise KeyError(f"'{column}' in '{of}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in signal.channels))

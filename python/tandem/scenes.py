@@ -49,6 +49,8 @@ class Scene(Machine, Grains, Execution):
                    end_time, in whole windows; 0: the first and the last frame only
     """
 
+    _source: Optional[pathlib.Path] = None  # the file that it was loaded from
+
     def __init__(self, name: str, end_time: Any, *, window: Optional[Any] = None, gravity: Optional[Sequence[Any]] = None,
                  scheme: Optional[str] = None, frame_interval: Optional[Any] = None, description: Optional[str] = None):
         coupling = {key: plain(value) for key, value in (("scheme", scheme), ("window", window)) if value is not None}
@@ -308,4 +310,5 @@ def load(file: str, **parameters: float) -> Scene:
             data[solver]["server"] = str(path.resolve().parent / command)
     scene = Scene.__new__(Scene)
     scene.data = data
+    object.__setattr__(scene, "_source", path.resolve())
     return scene.set(**parameters)

@@ -17,11 +17,11 @@ class Setting(NamedTuple):
 
 
 class Candidate:
-    """A setting that was run: `errors` of each result, relative, rms over the random starts; `wall_s`, their median, with `times`; `parts` of that
-    time; `overlap`; `status` and `reason` of its runs."""
+    """A setting that was run, with the share of the critical time that its micro step had, and as `asked` for: `errors` of each result, relative, rms over the random starts; `wall_s`, their median, with `times`; `parts` of that
+    time; `overlap`; `status` and `fault` of its runs."""
 
     def __init__(self, setting: Setting, rows: List[Row]):
-        self.setting, self.rows = setting, rows
+        self.asked, self.rows = setting, rows
         self.errors: Dict[str, float] = {}
         self.first_errors: Dict[str, float] = {}  # of the first start
         self.fault = ""
@@ -35,6 +35,7 @@ class Candidate:
         self.steps = summaries[0]["micro_steps"] if summaries else 0
         self.windows = summaries[0]["windows"] if summaries else 0
         self.share = summaries[0]["micro_step_s"] / summaries[0]["critical_time_s"] if summaries else setting.share
+        self.setting = setting._replace(share=self.share)
         self.step_s = summaries[0]["micro_step_s"] if summaries else math.nan
         self.rules = {line.get("rule"): line.get("sentence", "") for s in summaries for line in (s.get("verdict") or {}).get("lines", [])}
         bad = next((row for row in rows if row.status not in ("ok", "suspect")), None)

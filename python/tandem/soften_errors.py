@@ -1,7 +1,8 @@
 """Errors of a softened scene: results of two runs compared."""
-from typing import Any
+import math
+from typing import Any, List, Sequence, Tuple
 
-from tandem.entries import SceneError, nearest
+from tandem.entries import SceneError
 
 
 class Measure:
@@ -15,29 +16,51 @@ class Measure:
         self.of_number = of.startswith("summary.") or ":" in of
 
     def expect_in(self, results: Any) -> None:
-        """Refuses a name that the results do not have."""
+        """Refuses a name that the results of a first window do not have."""
         column = self.of.split(":")[0]
         try:
             if column.startswith("summary."):
-                return  # keys of the end of a run are not in a first window
+                if column[8:].split(".")[0] in results.summary:  # some keys are of a whole run
+                    results.reduce(self.of)
+                return
             found = results[column]
             if not hasattr(found, "values"):
                 raise KeyError(f"'{column}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in found.channels))
-            if self.of_number:
-                how, *times = self.of.split(":")[1:]
-                known = ("last", "mean", "min", "max", "range", "period", "integral")
-                if how not in known:
-                    raise KeyError(f"there is no reduction '{how}'" + nearest(how, known))
-                [float(time) for time in times]
         except KeyError as error:
-            raise SceneError(str(error.args[0]), f"--of {self.of}", made_at="the command line") from None
+            self._expect(False, str(error.args[0]), "")
         except ValueError:
-            raise SceneError("has a time that is no number", f"--of {self.of}", "write COLUMN:REDUCTION:FROM:TO", made_at="the command line") from None
+            pass  # null in a first window
+
+    def expect_to_change(self, stiff: Sequence[Any]) -> None:
+        """Refuses a result to which no error can be relative: `stiff` are the results of the scene as it is, from each start."""
+        if self.of_number:
+            values = [self._number(each) for each in stiff]
+            self._expect(all(values), "is 0 in the stiff run")
+            if self.of.startswith("summary."):
+                self._expect(len(values) == 1 or min(values) < max(values), "is the same from all starts of the stiff scene")
+                return
+        for each in stiff:
+            low, high = _box(each[self.of.split(":")[0]])
+            self._expect(all(map(math.isfinite, [*low, *high])), "has values that are no finite numbers in the stiff run")
+            self._expect(any(a < b for a, b in zip(low, high)), "does not change in the stiff run")
+
+    def _number(self, run: Any) -> float:
+        try:
+            value = float(run.reduce(self.of))
+        except KeyError as error:
+            self._expect(False, str(error.args[0]), "")
+        except ValueError as error:
+            self._expect(False, str(error), "")
+        self._expect(math.isfinite(value), f"is {value:g} in the stiff run")
+        return value
 
     def error(self, run: Any, stiff: Any) -> float:
         """Relative error [-]."""
         if self.of_number:
-            here, right = run.reduce(self.of), stiff.reduce(self.of)
+            try:
+                here, right = run.reduce(self.of), stiff.reduce(self.of)
+            except (KeyError, ValueError):  # null where the stiff run has a number
+                return math.nan
             self._expect(right != 0 or here == 0, "is 0 in the stiff run")
             return abs(here - right) / abs(right) if right else 0.0
         import numpy as np
@@ -51,9 +74,15 @@ class Measure:
         self._expect(extent > 0 or distance == 0, "does not change in the stiff run")
         return distance / extent if extent else 0.0
 
-    def _expect(self, condition: bool, what: str) -> None:
+    def _expect(self, condition: bool, what: str, why: str = ": no error relative to it can be stated") -> None:
         if not condition:
-            raise SceneError(f"{what}: no error relative to it can be stated", f"--of {self.of}", "name another result", made_at="the command line")
+            raise SceneError(what + why, f"--of {self.of}", "name another result", made_at="the command line")
+
+
+def _box(signal: Any) -> Tuple[List[float], List[float]]:
+    """Least and largest value of each component."""
+    values = signal.values.reshape(len(signal.values), -1)
+    return list(values.min(axis=0)), list(values.max(axis=0))
 
 
 def error_of_text(text: str) -> float:

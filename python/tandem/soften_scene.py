@@ -124,5 +124,18 @@ def _whole_spans(scene: Scene) -> List[Tuple[float, str]]:
     return spans  # type: ignore[return-value]
 
 
+def longest_window(scene: Scene, window: float) -> float:
+    """[s]: that of coupling.adaptive, or `window`."""
+    largest = scene.data.get("coupling", {}).get("adaptive", {}).get("max_window")
+    return largest if isinstance(largest, (int, float)) else window
+
+
+def steps_in(window: float, step: float, limit: float) -> int:
+    """Micro steps of a window, which holds whole ones, none longer than `step` but for rounding, and all shorter than `limit` [s]. The critical
+    time goes with the root of the modulus: a step that grows longer than the window becomes as long as the window."""
+    count = max(1, math.ceil(window / step * (1 - 1e-6)))
+    return count if window / count < limit * (1 - 5e-7) else count + 1
+
+
 def _nanoseconds(seconds: float) -> int:
     return round(seconds * 1e9)

@@ -35,7 +35,9 @@ class Search:
     evaluate   measures a setting, which takes long
     work       numbers of micro steps and of windows of a setting
     scatter    error over the wanted one that every change of the scene causes, as another random start does
-    most       settings that are measured at most"""
+    most       settings that are measured at most
+
+    Levels of the micro step with the same number of steps in the same window are the same setting, which the lowest of them stands for."""
 
     def __init__(self, lengths: Point, evaluate: Callable[[Point], Outcome], work: Callable[[Point], Tuple[float, float]], scatter: float = 0.0,
                  most: int = 30):
@@ -114,13 +116,23 @@ class Search:
     # ---- what is known of a setting
 
     def _above(self, point: Point, axis: int, stride: int = 1) -> Optional[Point]:
-        level = min(point[axis] + stride, self.lengths[axis] - 1)
-        return None if level == point[axis] else (*point[:axis], level, *point[axis + 1:])  # type: ignore[return-value]
+        """The setting so many levels higher, or the first beyond that is another one."""
+        last = self.lengths[axis] - 1
+        for level in range(min(point[axis] + stride, last), last + 1):
+            above = self._lowest((*point[:axis], level, *point[axis + 1:]))  # type: ignore[arg-type]
+            if above != point:
+                return above
+        return None
+
+    def _lowest(self, point: Point) -> Point:
+        """The same setting at the lowest level of the micro step."""
+        below = (point[MODULUS], point[STEP] - 1, point[WINDOW])
+        return self._lowest(below) if point[STEP] > 0 and self.work(below) == self.work(point) else point
 
     def _untried(self) -> List[Point]:
         d, s, w = self.lengths
         every = ((i, j, k) for i in range(d) for j in range(s) for k in range(w))
-        return [p for p in every if p not in self.tried and self._failed_below(p) is None]
+        return [p for p in every if p not in self.tried and p == self._lowest(p) and self._failed_below(p) is None]
 
     def _failed_below(self, point: Point) -> Optional[Point]:
         """A setting that failed, of which this one has no lower level: it fails as well."""

@@ -15,7 +15,7 @@ def table(found) -> str:
     for each in [found.stiff] + found.candidates:
         is_stiff = each is found.stiff
         errors = found.scatter if is_stiff else each.errors
-        mark = "stiff: its errors are the scatter" if is_stiff else "chosen" if each is found.chosen else shortened(each.fault)
+        mark = stiff_mark(each) if is_stiff else "chosen" if each is found.chosen else shortened(each.fault)
         parts = [each.parts.get("dem"), each.parts.get("mbd", 0) + each.parts.get("exchange", 0) if each.parts else None, each.parts.get("output")]
         lines.append([f"/ {each.setting.divisor:g}", f"{each.share:.3g}", f"{1e3 * each.setting.window:g}"] +
                      [percent(errors[name]) if math.isfinite(errors.get(name, math.nan)) else "-" for name in names] +
@@ -25,10 +25,22 @@ def table(found) -> str:
                      for line in lines)
 
 
+def stiff_mark(stiff) -> str:
+    return ("" if stiff.status == "ok" else f"SUSPECT by {', '.join(stiff.rules)}; ") + "stiff: its errors are the scatter"
+
+
+def doubts(stiff) -> List[str]:
+    """Loud lines where the scene as it is, against which all errors are, is suspect."""
+    if stiff.status == "ok":
+        return []
+    return ["WARNING: the scene as it is is itself suspect. All errors are relative to it, so that they say nothing about the truth:"] + [
+        f"  {rule}: {sentence}" for rule, sentence in stiff.rules.items()] + [""]
+
+
 def reading(found) -> str:
     """What was found, what it costs, and what limits."""
     names = [measure.of for measure in found.measures]
-    lines = [f"wanted: {percent(found.wanted)} of " + ", ".join(names), "", table(found), ""]
+    lines = [f"wanted: {percent(found.wanted)} of " + ", ".join(names), ""] + doubts(found.stiff) + [table(found), ""]
     loud = [name for name in names if found.scatter[name] > found.wanted]
     if loud:
         worst = max(found.scatter[name] for name in loud)

@@ -1,18 +1,17 @@
 """Softer grains at a stated error: runs, judges and writes what soften_search chooses."""
 import csv
-import json
 import math
-import os
 import pathlib
 from typing import Dict, List, Optional, Sequence, Union
 
-from tandem import soften_scene as changes
+from tandem import soften_checks as checks, soften_scene as changes
 from tandem.entries import SceneError
 from tandem.scenes import Scene
 from tandem.soften_candidates import Candidate, Setting
 from tandem.soften_errors import Measure, error_of_text
+from tandem.soften_folder import Folder
 from tandem.soften_search import MODULUS, STEP, WINDOW, Outcome, Point, Search
-from tandem.soften_words import percent, reading, shortened, table
+from tandem.soften_words import doubts, percent, reading, shortened, stiff_mark, table
 from tandem.sweeps import Row, sweep
 
 AXES = {MODULUS: "modulus", STEP: "micro step", WINDOW: "window"}
@@ -60,7 +59,7 @@ class Softening:
                               [f"{errors[n]:.4g}" if math.isfinite(errors.get(n, math.nan)) else "" for n in names] +
                               [f"{t:.4g}" for t in (each.wall_s, min(each.times, default=math.nan), max(each.times, default=math.nan))] +
                               [f"{each.parts.get(p, math.nan):.4g}" for p in ("dem", "mbd", "exchange", "output")] +
-                              [each.steps, each.windows, f"{each.overlap:.3g}", each.fault])
+                              [each.steps, each.windows, f"{each.overlap:.3g}", each.fault or (stiff_mark(each) if each is self.stiff else "")])
         (self.folder / "reading.txt").write_text(self.reading() + "\n")
 
     def __repr__(self) -> str:
@@ -83,40 +82,35 @@ def soften(scene: Scene, error: Union[float, str], of: Union[str, Sequence[str]]
     modulus  divisors to try;  step  shares of the critical time to try;  window  windows to try [s]; by default twice as large each
     file     of the softened scene, NAME_soft.json in the folder by default
     most     settings that are run at most;  jobs, threads, out, limit, backend, retry  as of sweep()"""
-    work = _Work(scene, error_of_text(str(error)), [of] if isinstance(of, str) else list(of), starts, overlap, out, progress,
-                 dict(jobs=jobs, threads=threads, limit=limit, backend=backend, retry=retry, progress=False))
-    return work.do(modulus, step, window, most, file)
+    checks.expect_numbers({"modulus": modulus, "step": step, "window": window}, overlap)
+    work = _Work(scene, error_of_text(str(error)), [of] if isinstance(of, str) else list(of), starts, overlap, window, out, file, progress,
+                 dict(jobs=jobs, threads=threads, limit=limit, backend=backend, retry=retry, progress=False, timed=True))
+    try:
+        return work.do(modulus, step, window, most)
+    finally:
+        work.folder.release()
 
 
 class _Work:
     """Runs one softening."""
 
-    def __init__(self, scene, wanted, of, starts, overlap, out, progress, options):
-        changes.expect_grains(scene)
-        if not of:
-            raise SceneError("no result is named whose error is to be kept", "--of", "for instance --of hinge.q")
-        if starts > 1 and not changes.random_fills(scene):
-            raise SceneError("the start of the scene has no random numbers, so that its scatter cannot be found", "dem.particles",
-                             "give the fill a jitter, or write --starts 1 to judge errors without the scatter")
-        if not isinstance(scene.window, (int, float)):
-            raise SceneError(f"coupling.window is the expression '{scene.window}'", scene.name, "write it as a number")
+    def __init__(self, scene, wanted, of, starts, overlap, window, out, file, progress, options):
+        checks.expect_scene(scene, starts)
+        checks.expect_results(of, scene.end_time)
         self.scene, self.starts, self.largest_overlap, self.options, self.progress = scene, starts, overlap, options, progress
-        folder = pathlib.Path(out or pathlib.Path("out") / f"soften_{scene._file_name()}").absolute()
-        if folder.is_dir() and any(folder.iterdir()) and not (folder / "soften.json").is_file():
-            raise SceneError(f"'{folder}' has files, but is no folder of a softening", hint="give another --out", made_at="the command line")
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "soften.json").write_text(json.dumps({"tandem": "soften", "scene": scene.name}) + "\n")
-        self.found = Softening(folder, [Measure(name) for name in of], wanted)
+        for each in window:
+            changes.expect_window(scene, each)
+        self.folder = Folder(scene, out, file)
+        self.found = Softening(self.folder.path, [Measure(name) for name in of], wanted)
         self.taken: Dict[str, float] = {}
 
-    def do(self, modulus, step, window, most, file) -> Softening:
-        for each in window:
-            changes.expect_window(self.scene, each)
+    def do(self, modulus, step, window, most) -> Softening:
         self._probe()
         self.levels = [[1.0] + sorted(float(d) for d in modulus) if modulus else changes.moduli(),
                        [self.share] + sorted(map(float, step)) if step else changes.shares(self.share),
                        [self.scene.window] + sorted(map(float, window)) if window else changes.windows(self.scene, self.scene.window)]
         self._expect_levels()
+        self.folder.forget_earlier_results()
         self._run_stiff()
         found = self.found
         if not any(found.scatter[m.of] > found.wanted for m in found.measures):
@@ -126,7 +120,7 @@ class _Work:
             found.limits = [self._limit(axis) for axis in AXES]
             if best != (0, 0, 0):
                 found.chosen = self.by_point[best]
-                self._write_scene(file)
+                self._write_scene()
         found.write()
         return found
 
@@ -182,8 +176,11 @@ class _Work:
         self.critical = min(r.summary["critical_time_s"] for r in results)  # radii, too, depend on the start
         pairs = [(a, b) for i, a in enumerate(results) for b in results[:i]]
         for measure in found.measures:
+            measure.expect_to_change(results)
             found.scatter[measure.of] = _rms([measure.error(a, b) for a, b in pairs])
         self._say(f"stiff: {found.stiff.wall_s:.3g} s" + "".join(f", {name} scatters by {percent(s)}" for name, s in found.scatter.items() if pairs))
+        for line in doubts(found.stiff)[:-1]:
+            self._say(line)
         self.by_point: Dict[Point, Candidate] = {(0, 0, 0): found.stiff}
 
     def _setting(self, point: Point) -> Setting:
@@ -191,9 +188,9 @@ class _Work:
 
     def _counts(self, point: Point):
         setting = self._setting(point)
-        step = setting.share * self.critical * math.sqrt(setting.divisor)
-        windows = self.scene.end_time / setting.window
-        return windows * math.ceil(setting.window / step * (1 - 1e-9)), windows
+        longest = changes.longest_window(self.scene, setting.window)
+        steps = round(longest / self.step) if point == (0, 0, 0) else self._steps_in(setting)
+        return self.scene.end_time / longest * steps, self.scene.end_time / setting.window
 
     def _outcome(self, point: Point) -> Outcome:
         found = self.found
@@ -205,7 +202,7 @@ class _Work:
             candidate = self._run(setting, list(range(1, self.starts + 1)))
         found.candidates.append(candidate)
         self.by_point[point] = candidate
-        self._say(f"[{len(found.candidates)}] {setting}: " + (shortened(candidate.fault, 100) or ", ".join(f"{n} {percent(e)}" for n, e in candidate.errors.items())) +
+        self._say(f"[{len(found.candidates)}] {candidate.setting}: " + (shortened(candidate.fault, 100) or ", ".join(f"{n} {percent(e)}" for n, e in candidate.errors.items())) +
                   (f"; {candidate.wall_s:.3g} s" if candidate.times else ""))
         return self._judged(candidate, candidate.errors)
 
@@ -215,10 +212,14 @@ class _Work:
         return Outcome([error / self.found.wanted for error in errors.values()], parts.get("dem", 0), windows,
                        max(0.0, (candidate.wall_s if candidate.times else math.inf) - parts.get("dem", 0) - windows), candidate.fault)
 
+    def _steps_in(self, setting: Setting) -> int:
+        """Micro steps of the longest window."""
+        critical = self.critical * math.sqrt(setting.divisor)
+        return changes.steps_in(changes.longest_window(self.scene, setting.window), setting.share * critical, changes.LONGEST_STEP * critical)
+
     def _step_of(self, setting: Setting) -> float:
-        """The critical time goes with the root of the modulus. Rounded down, so that it stays below the limit."""
-        step = setting.share * self.critical * math.sqrt(setting.divisor)
-        return float(f"{step * (1 - 5e-7):.6e}")
+        """[s]: of a window that holds whole steps."""
+        return min(changes.longest_window(self.scene, setting.window) / self._steps_in(setting), setting.window)
 
     def _run(self, setting: Setting, starts: List[int]) -> Candidate:
         rows = self._swept(lambda modulus, step, window, start: changes.softened(self.scene, self.taken, modulus, step, window, start, 1.0),
@@ -234,7 +235,10 @@ class _Work:
             for measure in self.found.measures:
                 errors = [measure.error(row.results, right) for row, right in zip(candidate.rows, stiff)]
                 candidate.errors[measure.of], candidate.first_errors[measure.of] = _rms(errors), errors[0]
-            if fresh:
+            lost = [name for name, error in candidate.errors.items() if not math.isfinite(error)]
+            if lost:
+                candidate.fault = f"{', '.join(lost)} is no finite number"
+            elif fresh:
                 candidate.fault = "suspect by " + "; ".join(f"{rule}: {text}" for rule, text in fresh.items())
             elif candidate.overlap > self.largest_overlap:
                 candidate.fault = f"overlaps up to {candidate.overlap:.2g} of the radius, more than {self.largest_overlap:g}"
@@ -254,28 +258,26 @@ class _Work:
                    "error": ", ".join(f"{name} {percent(candidate.errors[name])}" for name in names)}[why]
         return f"{AXES[axis]}: {candidate.setting} has {because}" if why == "error" else f"{AXES[axis]}: {candidate.setting}: {because}"
 
-    def _write_scene(self, file: Optional[str]) -> None:
+    def _write_scene(self) -> None:
         """The softened scene, which is run once: with its overlap_limit it must not be suspect for another reason than the stiff one."""
         found, chosen = self.found, self.found.chosen
         own = self.scene.data["dem"].get("overlap_limit", 0.05)
         limit = own if isinstance(own, str) or chosen.overlap <= own else min(1.0, math.ceil(120 * chosen.overlap) / 100)
-        scene = changes.softened(self.scene, self.taken, chosen.setting.divisor, self._step_of(chosen.setting), chosen.setting.window, 1, limit)
+        scene = changes.softened(self.scene, self.taken, chosen.setting.divisor, self._step_of(chosen.asked), chosen.setting.window, 1, limit)
         evidence = ", ".join(f"{name} {percent(error)} (scatter {percent(found.scatter[name])})" if len(chosen.rows) > 1 else f"{name} {percent(error)}"
                              for name, error in chosen.errors.items())
         scene.description = (self.scene.description + " " if self.scene.description else "") + (
-            f"Softened by tandem soften: {chosen.setting}; error against the stiff scene: {evidence}; overlaps up to {chosen.overlap:.2g}.")
+            f"Softened by tandem soften: {chosen.setting}; error against the stiff scene: {evidence}; overlaps up to {chosen.overlap:.2g}." +
+            " ".join([""] + [line.strip() for line in doubts(found.stiff)]).rstrip())
         row = self._swept(lambda written: scene, written=[1])[0]
-        again = Candidate(chosen.setting, [row])
+        again = Candidate(chosen.asked, [row])
         self._find_errors(again)
         if again.fault or "overlap" in again.rules and "overlap" not in found.stiff.rules or again.errors != chosen.first_errors:
             raise SceneError(f"the softened scene does not repeat what was found: {again.fault or 'its errors differ'}", str(row.folder),
                              "a bug of tandem: please report it")
         found.scene, found.overlap_limit = scene, limit
-        found.file = pathlib.Path(file).absolute() if file else found.folder / f"{self.scene._file_name()}_soft.json"
-        text = scene.json(str(found.file.parent)) + "\n"
-        draft = found.file.with_name(f".{found.file.name}.{os.getpid()}.new")
-        draft.write_text(text)
-        draft.replace(found.file)
+        found.file = self.folder.file
+        self.folder.write_scene(scene)
 
 
 def _rms(values: List[float]) -> float:

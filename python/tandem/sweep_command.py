@@ -58,7 +58,7 @@ def main(words: Optional[List[str]] = None) -> int:
             if name not in known:
                 raise SceneError(f"{options.scene} has no parameter '{name}'" + nearest(name, known), "--set", made_at="the command line")
         out = options.out or str(pathlib.Path("out") / f"sweep_{scene._file_name()}")
-        done = sweep(lambda **v: scene.copy().set(**v), score=options.of or None, jobs=options.jobs, threads=options.threads, out=out,
+        done = sweep(scene, score=options.of or None, jobs=options.jobs, threads=options.threads, out=out,
                      limit=options.limit, backend=options.backend, retry=options.retry, share=options.share, **values)
     except SceneError as error:
         print(f"error: {str(error).partition(chr(10))[0]}", file=sys.stderr)

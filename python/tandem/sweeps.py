@@ -15,9 +15,8 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Unio
 from tandem.entries import SceneError, nearest, plain
 from tandem.program import find_tandem
 from tandem.scenes import Scene
+from tandem.sweep_scores import Score, expect_words, score_of
 from tandem.variants import Variant, digest_of, state_of, variant_key
-
-Score = Union[str, Sequence[str], Callable[[Any], Any], None]
 
 
 class Row:
@@ -129,7 +128,7 @@ def _text(value: Any) -> str:
 
 def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, jobs: int = 1, threads: Optional[int] = None,
           out: Optional[str] = None, limit: Optional[float] = None, backend: Optional[str] = None, retry: bool = False,
-          share: Optional[str] = None, progress: bool = True, arguments: Sequence[str] = (), **values: Iterable[Any]) -> Sweep:
+          share: Optional[str] = None, progress: bool = True, timed: bool = False, arguments: Sequence[str] = (), **values: Iterable[Any]) -> Sweep:
     """Runs all combinations of values, and returns the Sweep.
 
         best = td.sweep(s, mouth=[.05, .06, .07, .08], score="mouth.flow:mean", jobs=2)       # parameters of the scene
@@ -142,6 +141,7 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
     out       folder, out/sweep_NAME by default. The same sweep again continues where it stopped: a variant whose scene has not changed is not
               run again, also one that failed; retry=True runs those that failed again
     limit     wall time of a run [s], after which it is stopped and "timed out"
+    timed     wall times count: what was run with other jobs or threads is run again; otherwise only where other `threads` are given
     share     "2/5": only the second of five parts, for an array job; another call without it collects
 
     A variant that fails, is suspect or cannot be built is marked in the table, and does not stop the others."""
@@ -155,6 +155,7 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
                 raise SceneError(f"the scene has no parameter '{name}'" + nearest(name, known), "parameters")
         build: Callable[..., Scene] = lambda **v: scene.copy().set(**v)  # noqa: E731
         label = scene._file_name()
+        expect_words(score, scene.end_time)
     else:
         build, label = scene, getattr(scene, "__name__", "variants")
     lists = [[plain(v) for v in ([vs] if isinstance(vs, (int, float, str)) else vs)] for vs in values.values()]
@@ -162,7 +163,8 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
     _claim(folder, names)
     rows = [Row(dict(zip(names, point)), variant_key(names, point), folder / "variants" / variant_key(names, point))
             for point in itertools.product(*lists)]
-    work = _Work(Sweep(folder, names, rows), build, _score_of(score), max(1, jobs), threads, limit, backend, retry, progress, list(arguments))
+    wanted = score_of(score, same_columns=isinstance(scene, Scene))
+    work = _Work(Sweep(folder, names, rows), build, wanted, max(1, jobs), threads, limit, backend, retry, progress, timed, list(arguments))
     part, parts = (int(word) for word in share.split("/")) if share else (1, 1)
     work.do([row for i, row in enumerate(rows) if i % parts == (part - 1) % parts])
     return work.sweep
@@ -175,28 +177,16 @@ def _claim(folder: pathlib.Path, names: List[str]) -> None:
     (folder / "sweep.json").write_text(json.dumps({"tandem": "sweep", "parameters": names}) + "\n")
 
 
-def _score_of(score: Score) -> Callable[[Any], Dict[str, float]]:
-    if score is None:
-        return lambda results: {}
-    if isinstance(score, str):
-        score = [score]
-    if callable(score):
-        def call(results: Any) -> Dict[str, float]:
-            value = score(results)
-            return {k: float(v) for k, v in value.items()} if isinstance(value, dict) else {"score": float(value)}
-        return call
-    return lambda results: {of: results.reduce(of) for of in score}
-
-
 class _Work:
     """Runs the variants of one sweep."""
 
-    def __init__(self, swept: Sweep, build, score, jobs, threads, limit, backend, retry, progress, arguments):
+    def __init__(self, swept: Sweep, build, score, jobs, threads, limit, backend, retry, progress, timed, arguments):
         self.sweep, self.build, self.score, self.jobs, self.limit, self.retry = swept, build, score, jobs, limit, retry
         self.progress = progress
-        cores = len(os.sched_getaffinity(0))
-        self.options = ["--threads", str(threads or max(1, cores // jobs)), "--no-picture", "--no-report", "--quiet"]
-        self.options += (["--backend", backend] if backend else []) + arguments
+        of_each = ["--threads", str(threads or max(1, len(os.sched_getaffinity(0)) // jobs))]
+        others = ["--no-picture", "--no-report", "--quiet"] + (["--backend", backend] if backend else []) + arguments
+        self.options = of_each + others
+        self.known_by = others + (of_each if threads or timed else []) + (["--jobs", str(jobs)] if timed else [])
         self.program = find_tandem()
         self.processes: Dict[str, subprocess.Popen] = {}
         self.stopping = threading.Event()
@@ -250,7 +240,7 @@ class _Work:
                 raise
             row.status, row.reason = "failed", " ".join(f"{type(error).__name__}: {error}".split())
             return None
-        variant = Variant(row.folder, text, digest_of(text, self.options[2:]))
+        variant = Variant(row.folder, text, digest_of(text, self.known_by))
         state = state_of(self.program, row.folder)
         known = variant.is_known()
         if known and (state in ("ok", "suspect") or (state in ("failed", "timed out") and not self.retry)):
@@ -306,5 +296,7 @@ class _Work:
                 row.scores = self.score(results)
                 odd = [f"{name} is {value}" for name, value in row.scores.items() if not math.isfinite(value)]
                 row.reason = "; ".join(filter(None, [row.reason, *odd]))
+            except SceneError:
+                raise
             except Exception as error:  # noqa: B902 (of the user's score)
                 row.reason = " ".join(f"no score: {error.args[0] if isinstance(error, KeyError) else error}".split())

@@ -97,6 +97,21 @@ class SearchTest(unittest.TestCase):
         model.search(most=6).run()
         self.assertEqual(len(model.calls), 6)
 
+    def test_equal_settings_are_measured_once(self):
+        """A window of few steps: neighbouring levels of the micro step have the same number of them. From some modulus on a window has one step."""
+        model = Synthetic(.01, .01, .01)
+        count = lambda p: max(1, math.ceil(6 * 2**p[2] / 2**((p[0] + p[1]) / 2) * (1 - 1e-9)))  # noqa: E731
+        windows = lambda p: 1000 / 2**p[2]  # noqa: E731
+        model.work = lambda p: (windows(p) * count(p), windows(p))
+        search = model.search()
+        best = search.run()
+        settings = [(p[0], p[2], count(p)) for p in model.calls]
+        self.assertEqual(len(settings), len(set(settings)))
+        every = [model.outcome(p) for p in itertools.product(*map(range, LENGTHS))]
+        least = min((o.per_step + o.per_window + o.rest for o in every if o.passes))
+        self.assertLessEqual(search.tried[best].cost, 1.2 * least, f"{best} after {model.calls}")
+        self.assertNotIn("untried", [search.limit(axis)[1] for axis in range(3)])
+
     def test_several_results(self):
         """The setting keeps the error of each result."""
         model = Synthetic(modulus=.01)

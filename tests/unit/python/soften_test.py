@@ -13,7 +13,8 @@ import tandem as td
 from tandem.signals import Signal
 from tandem.soften_command import numbers, scene_of
 from tandem.soften_errors import Measure, error_of_text
-from tandem.soften_scene import expect_window, moduli_of_library, random_fills, shares, softened, windows
+from tandem.soften_folder import Folder
+from tandem.soften_scene import expect_window, moduli_of_library, random_fills, shares, softened, steps_in, windows
 from tandem.soften_words import reading
 
 
@@ -71,6 +72,13 @@ class Changes(unittest.TestCase):
         self.assertEqual(softened(s, {}, 4, 0, 2e-3).window, 1e-3)
 
 
+    def test_a_window_holds_whole_steps(self):
+        """The step is none longer than asked; a longer one than the window is as long as it; one at the limit stays below it."""
+        self.assertEqual([steps_in(1e-3, step, .39e-3) for step in (1e-4, 9.99e-5, 1.01e-4, .3e-3, .37e-3)], [10, 11, 10, 4, 3])
+        self.assertEqual(steps_in(1e-3, 4e-3, 5e-3), 1)
+        self.assertEqual(steps_in(1e-3, 2e-4, 2e-4), 6)
+
+
 class Errors(unittest.TestCase):
     def results(self, values, dt=.1, **numbers_):
         signal = Signal("w.q", dt * np.arange(1, len(values) + 1), np.array(values, float))
@@ -107,6 +115,20 @@ class Errors(unittest.TestCase):
             self.error("w.q", self.results([1, 2]), self.results([1, 2], dt=.07))
 
 
+    def test_results_to_which_no_error_is_relative(self):
+        """Refused after the runs of the stiff scene, also where all starts agree."""
+        def runs(signal, *numbers_):
+            signal = Signal("w.q", np.arange(1, 4) * .1, np.array(signal, float))
+            return [type("Run", (dict,), {"reduce": lambda self, of, v=v: v})({"w.q": signal}) for v in numbers_]
+        for of, stiff, wanted in (("w.q", runs([1, 1, 1], 0, 0), "does not change"), ("w.q:mean", runs([1, 1, 1], 1, 1), "does not change"),
+                                  ("w.q:mean", runs([0, 1, 2], 1, 0), "is 0 in"), ("w.q:mean", runs([0, 1, 2], 1, math.nan), "is nan in"),
+                                  ("summary.n", runs([0, 1, 2], 7, 7), "the same from all starts"), ("w.q", runs([0, math.nan, 1], 0), "no finite numbers")):
+            with self.subTest(of=of, wanted=wanted), self.assertRaisesRegex(td.SceneError, wanted):
+                Measure(of).expect_to_change(stiff)
+        for of, stiff in (("w.q", runs([0, 1, 2], 0, 0)), ("w.q:mean", runs([0, 1, 2], 1, 1)), ("summary.n", runs([0, 1, 2], 7)), ("summary.n", runs([0, 1, 2], 7, 8))):
+            Measure(of).expect_to_change(stiff)
+
+
 class Refusals(unittest.TestCase):
     def setUp(self):
         holder = tempfile.TemporaryDirectory()
@@ -137,6 +159,19 @@ class Refusals(unittest.TestCase):
         (self.folder / "out" / "mine").touch()
         self.assertIn("is no folder of a softening", self.refusal(bed()))
 
+    def test_words_of_python(self):
+        """Before anything runs, and as errors that say what to write."""
+        for keys, wanted in (({"starts": 0}, "--starts: 0 is no number of random starts"), ({"modulus": 8}, r"--modulus: 8 is no list .*modulus=\[8\]"),
+                             ({"step": [math.nan]}, "--step: nan is no finite number"), ({"modulus": [math.inf]}, "--modulus: inf is no finite"),
+                             ({"overlap": math.nan}, "--overlap: nan is no overlap"), ({"window": ["a"]}, "--window: 'a' is no finite number"),
+                             ({"of": ["floor.force:mean:.5:.9"]}, "outside the run, which ends at 0.4 s"), ({"of": ["f:mean:0:9"]}, "outside the run"),
+                             ({"of": ["floor.force:mean:.3:.2"]}, "before the other one"), ({"of": ["floor.force:meen"]}, "did you mean 'mean'"),
+                             ({"of": ["floor.force:mean:nan"]}, "a time that is no number"), ({"of": [7]}, "7 is no name of a result")):
+            with self.subTest(keys=keys):
+                self.assertRegex(self.refusal(bed(), **keys), wanted)
+        self.assertIn("'s.json' is no scene (write td.soften(td.load(", self.refusal("s.json"))
+        self.assertFalse((self.folder / "out").exists())
+
     def test_windows(self):
         with self.assertRaisesRegex(td.SceneError, r"output.frame_interval of 0.02 s is no whole number of windows of 0.003 s \(these fit: 0.002, 0.004, 0.01, 0.02\)"):
             s = bed()
@@ -160,13 +195,75 @@ class Refusals(unittest.TestCase):
         with self.assertRaisesRegex(td.SceneError, "'mouth=wide' gives no value"):
             scene_of(str(self.folder / "s.json"), ["mouth=wide"])
 
-    def test_an_error_below_the_scatter(self):
-        stiff = SimpleNamespace(setting=SimpleNamespace(divisor=1, window=1e-3), share=.2, parts={}, wall_s=1.0, overlap=.01, fault="")
+    def test_a_suspect_stiff_scene_and_an_error_below_its_scatter(self):
+        stiff = SimpleNamespace(setting=SimpleNamespace(divisor=1, window=1e-3), share=.2, parts={}, wall_s=1.0, overlap=.01, fault="",
+                                status="suspect", rules={"overlap": "spheres overlap by 0.14"})
         found = SimpleNamespace(measures=[Measure("hinge.q")], stiff=stiff, candidates=[], scatter={"hinge.q": .0123}, wanted=.01, chosen=None)
+        self.assertIn("WARNING: the scene as it is is itself suspect.", reading(found))
+        self.assertIn("\n  overlap: spheres overlap by 0.14\n", reading(found))
+        self.assertIn("SUSPECT by overlap; stiff: its errors are the scatter", reading(found))
         self.assertIn("differ by 1.2 % of hinge.q, so that a smaller error means nothing\nwrite --error 2%", reading(found))
 
 
 class Files(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.at = pathlib.Path(holder.name).resolve()
+
+    def folder(self, s=None, out="out", file=None):
+        claimed = Folder(s or bed(), str(self.at / out), file and str(self.at / file))
+        self.addCleanup(claimed.release)
+        return claimed
+
+    def test_the_input_is_not_overwritten(self):
+        """Neither by -o, nor by the default of a scene that the folder's own runs made."""
+        bed().save(str(self.at / "bed.json"))
+        with self.assertRaisesRegex(td.SceneError, "-o: .*bed.json' is the scene itself, which the softened scene would overwrite"):
+            self.folder(td.load(str(self.at / "bed.json")).copy(), file="bed.json")
+        self.folder().write_scene(bed())
+        with self.assertRaisesRegex(td.SceneError, "is the scene itself"):
+            self.folder(td.load(str(self.at / "out" / "bed_soft.json")))
+        with self.assertRaisesRegex(td.SceneError, "bed_soft.json' was made by the softening in"):
+            self.folder(td.load(str(self.at / "out" / "bed_soft.json")), file="new.json")
+        first = self.folder(out="two", file="new.json")
+        first.write_scene(bed())
+        first.release()
+        with self.assertRaisesRegex(td.SceneError, "new.json' was made by"):
+            self.folder(td.load(str(self.at / "new.json")), out="two")
+        self.folder(td.load(str(self.at / "new.json")), out="three")
+
+    def test_places_that_cannot_be_written(self):
+        for file, wanted in (("none/a.json", "there is no folder '.*none'"), (".", "is a folder"), ("out/soften.png", "is a file of the softening")):
+            with self.assertRaisesRegex(td.SceneError, wanted):
+                self.folder(file=file)
+        self.assertFalse((self.at / "out").exists())
+        (self.at / "out").touch()
+        with self.assertRaisesRegex(td.SceneError, "is no folder"):
+            self.folder()
+
+    def test_one_softening_at_a_time(self):
+        first = self.folder()
+        with self.assertRaisesRegex(td.SceneError, "another softening works in '.*out'"):
+            self.folder()
+        first.release()
+        self.folder()
+
+    def test_earlier_results_do_not_stay(self):
+        """Where a second call writes nothing, nothing is there; a scene that was changed by hand stays."""
+        for changed in (False, True):
+            first = self.folder(file="soft.json")
+            first.write_scene(bed())
+            (self.at / "out" / "soften.png").touch()
+            first.release()
+            if changed:
+                (self.at / "soft.json").write_text("{}")
+            second = self.folder()
+            second.forget_earlier_results()
+            second.release()
+            self.assertEqual((self.at / "soft.json").exists(), changed)
+            self.assertEqual(sorted(p.name for p in (self.at / "out").iterdir()), [".lock", "soften.json"])
+
     def test_a_softened_scene_is_plain(self):
         text = json.loads(softened(bed(), {}, 16, 2e-5, 2e-3, 1, .3).json())
         self.assertEqual(set(text), set(json.loads(bed().json())))

@@ -62,6 +62,29 @@ class Sweeps(Case):
         self.sweep(x=[-1, 2, 3], retry=True)
         self.assertEqual(self.runs(), ["-1", "2", "3", "-1"])
 
+    def test_a_wrong_score_ends_the_sweep(self):
+        """A wrong reduction before anything runs, a column that is not there after the first variant."""
+        for score, wanted in (("lift.force:meen", "did you mean 'mean'"), (["lift.force:mean:a"], "a time that is no number"), ("lift.force:max:0:7", "outside the run")):
+            with self.assertRaisesRegex(td.SceneError, wanted):
+                self.sweep(x=[1, 2, 3], score=score)
+        self.assertEqual(self.runs(), [])
+        before = []
+        for _ in range(2):  # nothing runs again where the first variant has been run before
+            with self.assertRaisesRegex(td.SceneError, "did you mean 'lift.force'"):
+                self.sweep(x=range(11, 41), score="lift.forse:max")
+            self.assertLess(len(self.runs()), 30)
+            self.assertEqual(before or self.runs(), self.runs())
+            before = self.runs()
+        self.s.save(self.folder / "s.json")
+        self.assertEqual(main([str(self.folder / "s.json"), "--set", "x=1,2", "--of", "lift.forse:max", "--out", str(self.out)]), 2)
+
+    def test_other_threads_run_anew(self):
+        """Where they are given; with `timed` also where they follow from the jobs, or the jobs alone are others."""
+        for keys, count in (({}, 1), ({"jobs": 2}, 1), ({"threads": 1}, 2), ({"threads": 1, "jobs": 2}, 2), ({"threads": 2}, 3),
+                            ({"timed": True}, 4), ({"timed": True}, 4), ({"timed": True, "jobs": 2}, 5), ({"timed": True, "threads": 5, "jobs": 2}, 6)):
+            self.sweep(x=[2], **keys)
+            self.assertEqual(len(self.runs()), count, keys)
+
     def test_a_changed_scene_runs_anew(self):
         self.sweep(x=[2])
         self.s.end_time = 2

@@ -1,0 +1,35 @@
+"""The score of a sweep: words of results, or a function of them."""
+from typing import Any, Callable, Dict, List, Sequence, Union
+
+from tandem.entries import SceneError
+from tandem.reductions import expect_reduction
+
+Score = Union[str, Sequence[str], Callable[[Any], Any], None]
+
+
+def expect_words(score: Score, end_time: Any) -> None:
+    """Refuses wrong reductions before anything runs."""
+    for of in _words(score):
+        expect_reduction(of, end_time if isinstance(end_time, (int, float)) else None)
+
+
+def score_of(score: Score, same_columns: bool) -> Callable[[Any], Dict[str, float]]:
+    """Numbers of results. With `same_columns` a name that one variant does not have is wrong for all, and ends the sweep."""
+    if callable(score):
+        def call(results: Any) -> Dict[str, float]:
+            value = score(results)
+            return {k: float(v) for k, v in value.items()} if isinstance(value, dict) else {"score": float(value)}
+        return call
+
+    def numbers(results: Any) -> Dict[str, float]:
+        try:
+            return {of: results.reduce(of) for of in _words(score)}
+        except KeyError as error:
+            if not same_columns:
+                raise
+            raise SceneError(str(error.args[0]), "--of", "what has run is kept", made_at="the command line") from None
+    return numbers
+
+
+def _words(score: Score) -> List[str]:
+    return [score] if isinstance(score, str) else [] if score is None or callable(score) else list(score)
