@@ -110,7 +110,7 @@ class Sweeps(Case):
                 os.kill(int(pid), signal.SIGKILL)
         done = len(self.runs())
         (self.folder / "s.json").write_text((self.folder / "s.json").read_text())
-        swept = td.sweep(lambda x: td.load(self.folder / "s.json", x=x), score="lift.force:max", out=self.out, jobs=2, progress=False, limit=1,
+        swept = td.sweep(lambda x: td.load(self.folder / "s.json", x=x), score="lift.force:max", out=self.out, jobs=2, progress=False, limit=4,
                          x=[float(x) for x in range(-1, 39)])
         status = [row.status for row in swept]
         self.assertEqual((status[0], status[8]), ("failed", "timed out"))
@@ -118,10 +118,10 @@ class Sweeps(Case):
         self.assertLessEqual(len(self.runs()), 40 + 3, f"{done} had been started before")
 
     def test_an_interrupted_variant_runs_again(self):
-        swept = self.sweep(x=[7], limit=.3)
-        self.assertEqual((swept[0].status, swept[0].reason), ("timed out", "stopped after 0.3 s"))
+        swept = self.sweep(x=[7], limit=2)
+        self.assertEqual((swept[0].status, swept[0].reason), ("timed out", "stopped after 2 s"))
         (self.out / "variants" / "x=7.timed_out").unlink()
-        self.sweep(x=[7], limit=.3)
+        self.sweep(x=[7], limit=2)
         self.assertEqual(self.runs(), ["7", "7"])
 
     def test_functions(self):
