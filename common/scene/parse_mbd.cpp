@@ -1,6 +1,7 @@
 #include "common/scene/fault.hpp"
 #include "common/scene/implicit_settings.hpp"
 #include "common/scene/parse_parts.hpp"
+#include "common/scene/reserved_names.hpp"
 
 namespace tandem::scene {
 
@@ -393,10 +394,7 @@ Integrator parse_integrator(const Node& node) {
 }
 
 Mbd parse_mbd(const Node& node, const std::string& format) {
-  // Parts before the first dot of a check's `of` that are not names of bodies or joints, and the first
-  // column of the results.
-  const std::vector<std::string> reserved{"ground", "summary", "time"};
-
+  const std::vector<std::string>& reserved = reserved_body_names();
   Mbd mbd;
   read_server(node, mbd);
   if (node.has("integrator")) mbd.integrator = parse_integrator(node.at("integrator"));

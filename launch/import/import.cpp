@@ -23,23 +23,25 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// The checks refer to elements of the scene; the user knows links and joints.
-std::string element_of(const std::string& where, const Json& scene) {
+// The checks refer to elements of the scene; the user knows links, or bodies, and joints.
+std::string element_of(const std::string& where, const Json& scene, bool is_step) {
   static const std::regex pattern(R"((mbd|dem)\.(bodies|joints|couplers|walls)\[(\d+)\])");
   std::smatch found;
   if (!std::regex_search(where, found, pattern)) return where;
   const std::string part = found[1], list = found[2];
-  const char* kind = list == "bodies" ? "link '" : list == "walls" ? "wall '" : "joint '";
+  const char* kind = list == "bodies"  ? (is_step ? "body '" : "link '")
+                     : list == "walls" ? "wall '"
+                                       : "joint '";
   return kind + shortened(scene[part][list][std::stoul(found[3])]["name"].get<std::string>()) + "'";
 }
 
-void validate(const Json& scene, const std::string& model, const fs::path& folder) {
+void validate(const Json& scene, const std::string& model, const fs::path& folder, bool is_step) {
   try {
     const scene::Scene parsed = scene::parse(scene.dump(), model);
     scene::validate(parsed, model);
     scene::validate_files(parsed, model, folder);
   } catch (const Error& error) {
-    const std::string element = element_of(error.where(), scene);
+    const std::string element = element_of(error.where(), scene, is_step);
     throw Error(error.code(), error.problem(), element == error.where() ? element : model + ": " + element,
                 error.hint());
   }
@@ -108,7 +110,7 @@ Imported import_urdf(const ImportOptions& options) {
   } else {
     add_walls(*urdf.model, frames, options, folder, imported.scene["dem"], imported.notes);
   }
-  validate(imported.scene, file, folder);
+  validate(imported.scene, file, folder, false);
   return imported;
 }
 
@@ -132,14 +134,15 @@ void import_model(const ImportOptions& options) {
     replace_file(mesh.file, stl_bytes(mesh.mesh));
   }
   // The meshes are there now, as the checks of the scene want it.
-  if (is_step) validate(imported.scene, options.model.string(), options.output.parent_path());
+  if (is_step) validate(imported.scene, options.model.string(), options.output.parent_path(), true);
   if (options.output.empty()) {
     fmt::print("{}\n", text);
   } else {
     replace_file(options.output, text + '\n');
   }
   fmt::print("{}", imported.tables);
-  for (const std::string& note : imported.notes) fmt::print(stderr, "not imported: {}\n", note);
+  for (const std::string& note : imported.notes)
+    fmt::print(stderr, "{}{}\n", is_step ? "" : "not imported: ", note);
 }
 
 }  // namespace tandem::launch

@@ -49,7 +49,8 @@ struct ImportOptions {
 
 struct Imported {
   nlohmann::ordered_json scene;
-  std::vector<std::string> notes;  // what was not imported, and why
+  // Of URDF: what was not imported, and why. Of STEP: whole lines, of what was not imported or is renamed.
+  std::vector<std::string> notes;
   struct MeshFile {
     std::filesystem::path file;
     TriangleMesh mesh;

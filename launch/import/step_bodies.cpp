@@ -12,6 +12,7 @@
 #include "common/error.hpp"
 #include "common/scene/material_library.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "common/scene/reserved_names.hpp"
 #include "common/utf8.hpp"
 #include "launch/import/step_frames.hpp"
 
@@ -130,8 +131,9 @@ void fuse(const StepFile& step, const std::vector<FittingFaces>& fits, const std
                                   printable(shortened(step.parts[i].name()))));
 }
 
-// Letters, digits, _ and -, at most 90 of them, and different from all others.
-std::string unique_name(const std::string& given, const std::string& otherwise, std::set<std::string>& used) {
+// Letters, digits, _ and -, at most 90 of them, no reserved name, and different from all others.
+std::string unique_name(const std::string& given, const std::string& otherwise, std::set<std::string>& used,
+                        std::vector<std::string>& notes) {
   std::string name;
   for (const char c : given) {
     const bool is_kept =
@@ -144,9 +146,14 @@ std::string unique_name(const std::string& given, const std::string& otherwise, 
   while (!name.empty() && name.back() == '_') name.pop_back();
   name.resize(std::min<std::size_t>(name.size(), 90));
   if (name.empty()) name = otherwise;
-  if (name == "ground") name = "ground_part";
   const std::string stem = name;
+  const bool is_reserved =
+      std::ranges::find(scene::reserved_body_names(), name) != scene::reserved_body_names().end();
+  if (is_reserved) name = stem + "_1";
   for (int n = 2; !used.insert(name).second; ++n) name = fmt::format("{}_{}", stem, n);
+  if (is_reserved)
+    notes.push_back(fmt::format("renamed: the body of part '{}' is '{}', because '{}' is a reserved name",
+                                printable(shortened(given)), name, stem));
   return name;
 }
 
@@ -232,7 +239,7 @@ StepBodies bodies_of(const StepFile& step, const std::vector<FittingFaces>& fits
   for (StepBody& body : result.bodies) {
     std::stable_sort(body.parts.begin(), body.parts.end(),
                      [&](std::size_t a, std::size_t b) { return mass[a] > mass[b]; });
-    body.name = unique_name(names[body.parts.front()], "part", used);
+    body.name = unique_name(names[body.parts.front()], "part", used, notes);
     weigh(step, result.densities, body);
   }
   for (const std::string& pattern : options.ground) {

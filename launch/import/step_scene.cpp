@@ -154,10 +154,11 @@ Imported import_step(const ImportOptions& given) {
   StepImport import{read_step(options.model, options.deviation), {}, {}};
   std::vector<std::string> notes;
   if (import.step.faults > 0)
-    notes.push_back(fmt::format(
-        "{} entities of the file, which OpenCASCADE could not read; the first: {}. Compare the parts and "
-        "their masses with those of the CAD program",
-        import.step.faults, printable(shortened(import.step.first_fault))));
+    notes.push_back(
+        fmt::format("not imported: {} entities of the file, which OpenCASCADE could not read; the first: {}. "
+                    "Compare the parts and "
+                    "their masses with those of the CAD program",
+                    import.step.faults, printable(shortened(import.step.first_fault))));
   const std::vector<FittingFaces> fits = fitting_faces(import.step, options.model.string());
   import.bodies = bodies_of(import.step, fits, options, notes);
   if (import.bodies.bodies.empty())

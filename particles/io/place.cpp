@@ -94,9 +94,8 @@ class Placing {
 
   Placement run() {
     choose_radii();
-    const bool is_bed = std::holds_alternative<scene::AboveWall>(fill_.region);
     const double top = room_.high().z;
-    if (chosen_ && !is_bed) room_.limit(room_.height_of(needed_));
+    if (chosen_) room_.limit(room_.height_of(needed_));
     const PackingBounds bounds{[this](Vec3d p, double radius) { return room_.moved_inside(p, radius); },
                                [this](Vec3d p, double radius) { return room_.overlaps(p, radius); }};
     const double highest = std::min(top, room_.high().z + most_raise * group_.radius_max);
@@ -107,7 +106,7 @@ class Placing {
       if (start) packed = pack(*start, bounds, most_packing_sweeps, pool_);
       if (packed.is_free) break;
       // A bed of a few layers needs more height than its volume says.
-      if (!chosen_ || is_bed || room_.high().z >= highest) refuse_crowd();
+      if (!chosen_ || room_.high().z >= highest) refuse_crowd();
       room_.limit(std::min(highest, room_.high().z + 0.5 * group_.radius_max));
     }
     Placement result;

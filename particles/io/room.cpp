@@ -67,6 +67,9 @@ Room::Room(const scene::Scene& scene, std::size_t group, const Surface& surface,
         room::with_closed_mouths(room::placed(std::move(mesh), room::pose_of(wall, scene), frame_)));
     low_ = boundary_->low();
     high_ = boundary_->high();
+    outline_ = PlanOutline(
+        boundary_->mesh(), [this](double x, double y) { return std::isfinite(ground(x, y)); },
+        scene.dem->particles[group].radius_max);
     high_.z = above->height ? high_.z + *above->height : *fill.level;
     if (above->min)
       for (int a = 0; a < 2; ++a) {
@@ -119,14 +122,35 @@ void Room::find_solids(const scene::Scene& scene, const std::vector<NamedMesh>& 
     mesh = room::placed(std::move(mesh), pose, frame_);
     if (lowest_open_edge(mesh) < infinite) continue;
     VerticalCrossings solid(std::move(mesh));
-    bool around = !std::holds_alternative<scene::AboveWall>(region_);
-    if (around) {
-      const Vec3d middle = 0.5 * (boundary_->low() + boundary_->high());
-      for (const Vec3d& vertex : boundary_->mesh().vertices)
-        if (vertex.z <= high_.z) around = around && solid.is_inside(vertex + 1e-6 * (middle - vertex));
-    }
-    if (!around) solids_.push_back(std::move(solid));
+    const auto* above = std::get_if<scene::AboveWall>(&region_);
+    if ((above && wall.name == above->wall) || !is_around_region(solid)) solids_.push_back(std::move(solid));
   }
+}
+
+bool Room::is_around_region(const VerticalCrossings& solid) const {
+  constexpr double tiny = 1e-6;
+  const std::vector<Vec3d>& vertices = boundary_->mesh().vertices;
+  if (!std::holds_alternative<scene::AboveWall>(region_)) {
+    const Vec3d middle = 0.5 * (boundary_->low() + boundary_->high());
+    return std::ranges::all_of(vertices, [&](Vec3d vertex) {
+      return vertex.z > high_.z || solid.is_inside(vertex + tiny * (middle - vertex));
+    });
+  }
+  // The lowest and the highest point of the room at each corner of the wall, and at those of the rectangle.
+  std::vector<Vec3d> corners{low_, high_, {low_.x, high_.y, 0}, {high_.x, low_.y, 0}};
+  corners.insert(corners.end(), vertices.begin(), vertices.end());
+  const Vec3d middle = 0.5 * (low_ + high_);
+  bool is_any = false;
+  for (const Vec3d& corner : corners) {
+    const double at_x = std::clamp(corner.x, low_.x, high_.x), at_y = std::clamp(corner.y, low_.y, high_.y);
+    const double x = at_x + tiny * (middle.x - at_x), y = at_y + tiny * (middle.y - at_y);
+    const double low = ground(x, y), high = std::min(top(x, y), high_.z);
+    if (!std::isfinite(low) || !(low < high)) continue;
+    is_any = true;
+    for (const double part : {tiny, 1 - tiny})
+      if (!solid.is_inside({x, y, low + part * (high - low)})) return false;
+  }
+  return is_any;
 }
 
 double Room::ground(double x, double y) const {
@@ -249,6 +273,7 @@ Vec3d Room::into_region(Vec3d p, double radius) const {
   } else if (std::holds_alternative<scene::AboveWall>(region_)) {
     p.x = std::max(low_.x + radius, std::min(high_.x - radius, p.x));
     p.y = std::max(low_.y + radius, std::min(high_.y - radius, p.y));
+    if (!outline_.is_box()) p = outline_.moved_inside(p, radius, std::isfinite(ground(p.x, p.y)));
     if (const double limit = top(p.x, p.y); std::isfinite(limit)) p.z = std::min(p.z, limit - radius);
   } else if (std::holds_alternative<scene::BetweenWalls>(region_)) {
     for (const scene::PlaneShape& face : faces_)

@@ -9,6 +9,7 @@
 #include "common/scene/model.hpp"
 #include "particles/base/thread_pool.hpp"
 #include "particles/geometry/surface.hpp"
+#include "particles/io/plan_outline.hpp"
 #include "particles/io/room_meshes.hpp"
 #include "particles/io/vertical_crossings.hpp"
 
@@ -49,6 +50,7 @@ class Room {
   void find_solids(const scene::Scene& scene, const std::vector<NamedMesh>& meshes,
                    std::string_view container);
   void make_columns(ThreadPool& pool);
+  bool is_around_region(const VerticalCrossings& solid) const;
   bool in_region(Vec3d p) const;
   Vec3d into_region(Vec3d p, double radius) const;
   Vec3d moved_once(Vec3d p, double radius, bool& again) const;
@@ -63,6 +65,7 @@ class Room {
   GravityFrame frame_;
   std::vector<Pose> poses_;                    // of the bodies of the surface
   std::optional<VerticalCrossings> boundary_;  // of the region; of the wall below it for a bed
+  PlanOutline outline_;                        // of the wall below a bed
   std::vector<VerticalCrossings> solids_;
   std::vector<scene::PlaneShape> planes_;  // in the gravity frame
   std::vector<scene::PlaneShape> faces_;   // of the room between walls, with normals outwards

@@ -205,6 +205,26 @@ TEST_F(Step, AssembliesMergeAndDensitiesGoByPattern) {
   EXPECT_NEAR(bodies[1]["mass"].get<double>(), train, 1e-6 * train);
 }
 
+TEST_F(Step, PartsWithReservedNamesAreRenamedAndNamed) {
+  std::ifstream in(files / "gearbox.step");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  for (const auto& [part, reserved] : {std::pair{"'plug_1'", "'time'"}, {"'plug_2'", "'ground'"}})
+    for (std::size_t at; (at = text.find(part)) != std::string::npos;) text.replace(at, 8, reserved);
+  put("reserved.step", text);
+  ImportOptions options = of("gearbox.step");
+  options.model = folder_ / "reserved.step";
+  options.materials = {"steel"};
+  options.merge = {"housing", "train_?"};
+  const Imported imported = import_step(options);
+  std::vector<std::string> names;
+  for (const auto& body : imported.scene["mbd"]["bodies"]) names.push_back(body["name"]);
+  EXPECT_THAT(names, ElementsAre("housing", "train_1", "train_2", "train_3", "time_1", "ground_1"));
+  EXPECT_THAT(
+      imported.notes,
+      ElementsAre("renamed: the body of part 'time' is 'time_1', because 'time' is a reserved name",
+                  "renamed: the body of part 'ground' is 'ground_1', because 'ground' is a reserved name"));
+}
+
 TEST_F(Step, BodiesHaveTheirColoursAndAssemblies) {
   ImportOptions options = of("slider_crank.step");
   options.materials = {"steel"};

@@ -235,6 +235,60 @@ TEST(Place, RoomAboveAConeIsFilledToALevelAndNotBelowItsMouth) {
   EXPECT_LT(low, 0.02) << "the mouth counts as closed, with room above it";
 }
 
+TEST(Place, MassAboveAConeIsFilledFromItsLowestPoint) {
+  scene::PackingFill fill;
+  fill.region = scene::AboveWall{"cone"};
+  fill.level = 0.3;
+  fill.mass = 2;
+  fill.void_fraction = 0.6;
+  const Placement p = place(scene_with(fill, 0.006, hopper()), 0, {{"cone", funnel()}}, {}, {}, 2);
+  // The bed is as high as its volume says, but for a layer at its top.
+  const double round = polygon(64, wide),
+               cone = slope / 3 * (polygon(64, mouth) + round + std::sqrt(polygon(64, mouth) * round));
+  const double height = slope + (2 / 7800.0 / 0.4 - cone) / round;
+  double high = 0;
+  for (const Vec3d& x : p.position) high = std::max(high, x.z);
+  std::printf("top: expected %g m, measured %g m, tolerance 0.012 m\n", height, high + 0.006);
+  EXPECT_NEAR(high + 0.006, height, 0.012);
+  EXPECT_NEAR(p.void_fraction, 0.6, 0.1);
+}
+
+TEST(Place, ClosedWallsAroundTheRoomAboveAWallAreNoSolids) {
+  scene::PackingFill fill;
+  fill.region = scene::AboveWall{"cone"};
+  fill.level = 0.2;
+  fill.void_fraction = 0.7;
+  std::vector<scene::Wall> walls = hopper();
+  const Placement alone = place(scene_with(fill, 0.01, walls), 0, {{"cone", funnel()}}, {}, {}, 1);
+  walls.push_back(wall("room", scene::BoxShape{{1, 1, 1}, {}}));
+  const Placement p = place(scene_with(fill, 0.01, walls), 0, {{"cone", funnel()}}, {}, {}, 1);
+  EXPECT_EQ(p.position, alone.position);
+  // A wall that has a part of the room in it is a solid.
+  walls.back() = wall("room", scene::BoxShape{{1, 1, 0.3}, {}});
+  for (const Vec3d& x : place(scene_with(fill, 0.01, walls), 0, {{"cone", funnel()}}, {}, {}, 1).position)
+    EXPECT_GE(x.z, 0.16 - 1e-9);
+}
+
+// A round plate: nothing but the end of the plate limits the bed.
+TEST(Place, RoomAboveARoundPlateIsFilledDownToTheDocumentedVoidFraction) {
+  for (const double void_fraction : {0.5, 0.42}) {
+    SCOPED_TRACE(void_fraction);
+    scene::PackingFill fill;
+    fill.region = scene::AboveWall{"plate"};
+    fill.level = 0.11;
+    fill.void_fraction = void_fraction;
+    const Placement p =
+        place(scene_with(fill, 0.005, {wall("plate", scene::CylinderShape{0.1, 0.02, {}, {}})}), 0, {}, {}, {}, 2);
+    std::printf("%zu spheres in %d sweeps\n", p.radius.size(), p.sweeps);
+    EXPECT_NEAR(p.void_fraction, void_fraction, 1e-3);
+    EXPECT_LE(worst_pair(p), 1e-9);
+    for (const Vec3d& x : p.position) {
+      EXPECT_LE(std::hypot(x.x, x.y), 0.095 + 1e-9);
+      EXPECT_GE(x.z, 0.015 - 1e-9);
+    }
+  }
+}
+
 TEST(Place, RoomBetweenConeAndShellIsThatInsideOfBoth) {
   scene::PackingFill fill;
   fill.region = scene::BetweenWalls{{"cone", "shell"}};
