@@ -64,8 +64,8 @@ PlanOutline::PlanOutline(const TriangleMesh& mesh, const std::function<bool(doub
     const auto on_side = [&](int k, double at) {
       return std::abs(from[k] - at) <= tiny && std::abs(to[k] - at) <= tiny;
     };
-    is_box = is_box &&
-             (on_side(0, low_.x) || on_side(0, high_.x) || on_side(1, low_.y) || on_side(1, high_.y));
+    is_box =
+        is_box && (on_side(0, low_.x) || on_side(0, high_.x) || on_side(1, low_.y) || on_side(1, high_.y));
   }
   if (is_box) edges_.clear();
   if (!edges_.empty()) make_cells(reach);

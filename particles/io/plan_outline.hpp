@@ -14,8 +14,8 @@ namespace tandem::particles {
 class PlanOutline {
  public:
   PlanOutline() = default;
-  // `covers`: whether some of the mesh is at x and y. `reach`: the largest radius of a sphere [m]. Without edges
-  // where the outline is a box along x and y.
+  // `covers`: whether some of the mesh is at x and y. `reach`: the largest radius of a sphere [m]. Without
+  // edges where the outline is a box along x and y.
   PlanOutline(const TriangleMesh& mesh, const std::function<bool(double x, double y)>& covers, double reach);
 
   bool is_box() const { return edges_.empty(); }
