@@ -20,6 +20,8 @@ constexpr double mass_share = 1e-5;
 constexpr double allowed_place = 1e-3;  // of the radius
 // Share of the energy of a run below which spheres are at rest: a millionth of its velocities.
 constexpr double rest_share = 1e-12;
+// Frames resolve this share of a radius: their single precision.
+constexpr double place_share = 0x1p-24;
 // Lever arm of the forces on a body, of the largest radius, that counts as torque: forces whose torques
 // cancel leave their rounding, and a solver that gives no torques at all is judged by its forces.
 constexpr double smallest_arm = 0.1;
@@ -275,14 +277,17 @@ ParticleWatch::Sums ParticleWatch::count_false_and_sum(const ParticlesFrame& fra
   return sums;
 }
 
-void ParticleWatch::compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
-                                    Found& found) const {
+void ParticleWatch::compare_account(const Sums& sums, const protocol::ParticleAccount& account, double window,
+                                    double time, Found& found) const {
   found.compared = true;
   // Spheres at rest have what rounding leaves. The energy is compared with a share of that of a fall of all
   // of them through the largest radius, or of the largest energy so far.
   found.largest_energy = std::max({found.largest_energy, sums.energy, account.kinetic_energy,
                                    sums.mass * norm(scene_.gravity) * largest_radius_});
-  const double least_energy = rest_share * found.largest_energy,
+  // Where nothing has moved and nothing falls, what moves no sphere within a window by what frames resolve is
+  // at rest.
+  const double unseen = place_share * largest_radius_ / window;  // [m/s]
+  const double least_energy = rest_share * found.largest_energy + 0.5 * sums.mass * unseen * unseen,
                least_momentum = std::sqrt(2 * sums.mass * least_energy);
   const double momentum = norm(sums.momentum - account.momentum_end);
   const double share =
@@ -318,7 +323,7 @@ void ParticleWatch::check(const ParticlesFrame& frame, const Before& before) {
   const Sums sums = count_false_and_sum(frame, before, all);
   const double time = to_seconds(frame.time);
   if (before.account) {
-    compare_account(sums, *before.account, time, all);
+    compare_account(sums, *before.account, before.window, time, all);
     compare_gravity(sums, before, time, all);
     compare_angular(sums, before.interval, time, all);
   }

@@ -106,7 +106,7 @@ class ParticleWatch {
   void add_torques(const Exchange& exchange);
   // Both in one pass over the spheres.
   Sums count_false_and_sum(const protocol::ParticlesFrame& frame, const Before& before, Found& found) const;
-  void compare_account(const Sums& sums, const protocol::ParticleAccount& account, double time,
+  void compare_account(const Sums& sums, const protocol::ParticleAccount& account, double window, double time,
                        Found& found) const;
   void compare_gravity(const Sums& sums, const Before& before, double time, Found& found) const;
   void compare_angular(const Sums& sums, const Interval& interval, double time, Found& found) const;
