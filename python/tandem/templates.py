@@ -11,9 +11,13 @@ from tandem.scenes import Scene
 __all__ = ["hopper", "round_hopper", "conveyor", "chute", "tank", "mixer", "bucket", "linkage"]
 
 
+# Units of sizes and amounts, which are not negative.
+_AMOUNTS = ("m", "kg", "kg/s", "kg/m3", "Pa")
+
+
 def _parameters(s: Scene, **keys) -> None:
     for name, (value, unit) in keys.items():
-        s.parameter(name, value, unit=unit)
+        s.parameter(name, value, unit=unit, min=0 if unit in _AMOUNTS else None)
 
 
 def _material(s: Scene, radius: float, density: float = 2500, friction: float = 0.4):
