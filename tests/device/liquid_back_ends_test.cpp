@@ -1,12 +1,14 @@
 // A liquid on a CUDA device and on the CPU. launch/test_device runs these tests.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "sph_server/engine/liquid_engine.hpp"
 #include "sph_server/equations/state.hpp"
 #include "sph_server/equations/time_step.hpp"
+#include "tests/benchmark/sph/drum_mesh.hpp"
 
 namespace tandem::test {
 namespace liquid_back_ends_test {
@@ -130,6 +133,63 @@ TEST(LiquidBackEnds, GiveTheSameBitsWithoutWalls) {
     EXPECT_EQ(cpu->energies().kinetic, cuda->energies().kinetic);
     EXPECT_EQ(cpu->volume(), cuda->volume());
   }
+}
+
+// A drum with holes turns in a box of stirred water: particles near it are pushed by one wall, by two or by
+// none, so that threads of a warp part. What bodies feel is what particles feel, in each step.
+TEST(LiquidOnCuda, LoadsOfBodiesAreWhatParticlesFeel) {
+  constexpr int edge = 80, steps = 100;
+  constexpr double spin = 6, drum_radius = 0.35, low = 0.12;
+  Case c;
+  Liquid& l = c.setup.liquid;
+  l.spacing = 1.0 / edge;
+  l.gravity = {0, 0, -g};
+  l.sound_speed = 30;
+  l.artificial = 0.05;
+  const double hole = 2 * l.spacing, pitch = 3 * hole, thickness = 0.6 * l.spacing, off = 0.45 * l.spacing;
+  const int around = static_cast<int>(2 * std::numbers::pi * drum_radius / pitch),
+            along = static_cast<int>(0.7 / pitch);
+  const double high = low + along * 2 * std::numbers::pi * drum_radius / around;
+  c.setup.walls = {transformed(box_mesh({1, 1, 2}, {"+z"}), Pose{{0.5, 0.5, 1}, {}}),
+                   benchmark::drum(drum_radius, around, along, hole, thickness)};
+  c.setup.domain = {{-0.2, -0.2, -0.2}, {1.2, 1.2, 2}};
+  const auto poses = [&](double t) {
+    const Quat q = exp(Vec3d{0, 0, spin * t});
+    return std::vector<particles::BodyPose>{{{}, Mat3d::identity(), {}, {}},
+                                            {{0.5, 0.5, low}, q.matrix(), {}, {0, 0, spin}}};
+  };
+  for (int k = 0; k < edge / 2; ++k)
+    for (int j = 0; j < edge; ++j)
+      for (int i = 0; i < edge; ++i) {
+        const Vec3d x = l.spacing * Vec3d{i + 0.5, j + 0.5, k + 0.5};
+        const double r = std::hypot(x.x - 0.5, x.y - 0.5);
+        const bool in_drum =
+            r > drum_radius - off && r < drum_radius + thickness + off && x.z > low - off && x.z < high + off;
+        if (!in_drum)
+          c.add(x, {2 * std::sin(7 * x.y), 2 * std::cos(5 * x.x), 0}, l.density * g * (0.5 - x.z));
+      }
+  const auto engine = c.engine(Backend::cuda);
+  engine->set_state(c.start, poses(0));
+  const double weight = static_cast<double>(c.start.size()) * l.mass() * g;
+  double t = 0, worst = 0;
+  Vec3d before = engine->momentum();
+  for (int k = 0; k < steps; ++k) {
+    const StepFigures f = engine->figures();
+    const double dt =
+        0.9 *
+        step_limits(l, std::max(3.0, f.largest_speed), std::max(4 * g, f.largest_acceleration)).smallest;
+    t += dt;
+    engine->step(dt, poses(t));
+    const Vec3d lost = engine->take_lost().momentum;
+    Vec3d impulse = dt * weight / g * l.gravity;
+    for (const Wrench& load : engine->step_loads()) impulse -= dt * load.force;
+    const Vec3d now = engine->momentum();
+    worst = std::max(worst, norm(now - before - impulse + lost) / (weight * dt));
+    before = now;
+  }
+  std::printf("momentum of %zu particles over %d steps: off by %.2g of the weight (wanted: 1e-9)\n",
+              c.start.size(), steps, worst);
+  EXPECT_LT(worst, 1e-9);
 }
 
 TEST(LiquidBackEnds, GiveTheSameBitsBesideWalls) {

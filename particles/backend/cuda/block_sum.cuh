@@ -25,10 +25,11 @@ __device__ inline void add_global(std::int64_t* to, unsigned long long amount) {
   if (amount != 0) atomicAdd(reinterpret_cast<unsigned long long*>(to), amount);
 }
 
-// Sum over the threads of a warp that are in the mask, in limbs of 22 bits: the sum of 32 limbs fits the 32
-// bits that the hardware reduces at once.
-__device__ inline std::int64_t warp_sum(std::int64_t v, unsigned mask = ~0u) {
-  constexpr unsigned limb = (1u << 22) - 1;
+// Sum over the threads of a warp, in limbs of 22 bits: the sum of 32 limbs fits the 32 bits that the hardware
+// reduces at once. All threads of the warp call it together: a mask of those that happen to be active is not
+// enough, since threads may part between asking for the mask and using it.
+__device__ inline std::int64_t warp_sum(std::int64_t v) {
+  constexpr unsigned mask = ~0u, limb = (1u << 22) - 1;
   const unsigned low = __reduce_add_sync(mask, static_cast<unsigned>(v) & limb);
   const unsigned middle = __reduce_add_sync(mask, static_cast<unsigned>(v >> 22) & limb);
   const int high = __reduce_add_sync(mask, static_cast<int>(v >> 44));

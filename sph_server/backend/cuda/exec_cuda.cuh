@@ -187,11 +187,12 @@ __device__ void add_up(Tally& own, Tally* shared) {
   over_warp(own);
 }
 
-// Sums of bodies: those of few bodies are added up in the memory of a block first.
-struct DeviceBodySums {
-  particles::SplitSum* shared;
-  std::uint32_t in_shared;  // bodies
-  std::int64_t* global;     // 6 per body
+// Sums of bodies: those of few bodies are added up in the memory of a block first. A thread keeps the sum of
+// the body that it added to last, so that threads need not meet where they add.
+class DeviceBodySums {
+ public:
+  __device__ DeviceBodySums(particles::SplitSum* shared, std::uint32_t in_shared, std::int64_t* global)
+      : shared_(shared), in_shared_(in_shared), global_(global) {}
 
   __device__ void add(std::uint32_t body, Vec3d acceleration, Vec3d torque, const Quanta& q) {
     BodySum sum;
@@ -199,21 +200,45 @@ struct DeviceBodySums {
     add(body, sum);
   }
   __device__ void add(std::uint32_t body, const BodySum& sum) {
-    const unsigned active = __activemask();
-    int of_one_body = 0;
-    __match_all_sync(active, body, &of_one_body);
-    const bool adds = !of_one_body || threadIdx.x % particles::WarpGroup::size == __ffs(active) - 1;
+    if (body != body_) {
+      if (body_ != none) add_kept(true, [](std::int64_t amount) { return amount; });
+      body_ = body;
+      kept_ = {};
+    }
+    kept_.add(sum);
+  }
+  // Adds what the threads have kept. All threads of a warp call it together.
+  __device__ void flush() {
+    int same = 0;
+    __match_all_sync(~0u, body_, &same);
+    if (same && body_ == none) return;
+    if (same)
+      add_kept(threadIdx.x % particles::WarpGroup::size == 0,
+               [](std::int64_t amount) { return particles::warp_sum(amount); });
+    else if (body_ != none)
+      add_kept(true, [](std::int64_t amount) { return amount; });
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  template <class Sum>
+  __device__ void add_kept(bool adds, Sum sum) {
     for (unsigned k = 0; k < 6; ++k) {
-      std::int64_t amount = k < 3 ? sum.acceleration[k] : sum.torque[k - 3];
-      // Otherwise the threads would wait for each other at the same place.
-      if (of_one_body) amount = particles::warp_sum(amount, active);
+      const std::int64_t amount = sum(k < 3 ? kept_.acceleration[k] : kept_.torque[k - 3]);
       if (!adds) continue;
-      if (body < in_shared)
-        shared[body * 6 + k].add(amount);
+      if (body_ < in_shared_)
+        shared_[body_ * 6 + k].add(amount);
       else
-        particles::add_global(global + std::size_t{body} * 6 + k, static_cast<unsigned long long>(amount));
+        particles::add_global(global_ + std::size_t{body_} * 6 + k, static_cast<unsigned long long>(amount));
     }
   }
+
+  particles::SplitSum* shared_;
+  std::uint32_t in_shared_;  // bodies
+  std::int64_t* global_;     // 6 per body
+  std::uint32_t body_ = none;
+  BodySum kept_;
 };
 
 inline constexpr unsigned reduce_threads = 128, most_reduce_blocks = 528, join_threads = 512;
@@ -246,6 +271,8 @@ __global__ void __launch_bounds__(reduce_threads, 3)
     for (std::uint32_t i = first; i < n; i += threads) f(i, OneThreadTeam{}, own, sums);
   else
     for (std::uint32_t i = first; i < n; i += threads) f(i, own, sums);
+  __syncwarp();
+  sums.flush();
   add_up(own, reinterpret_cast<Tally*>(space));
   if (threadIdx.x == 0) of_block[blockIdx.x] = own;
   for (unsigned k = threadIdx.x; k < in_shared * 6; k += blockDim.x)
