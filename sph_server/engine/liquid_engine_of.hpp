@@ -20,6 +20,7 @@
 #include "sph_server/engine/totals.hpp"
 #include "sph_server/engine/way_bound.hpp"
 #include "sph_server/equations/time_step.hpp"
+#include "sph_server/neighbours/beside_walls.hpp"
 #include "sph_server/step/edge_sums.hpp"
 #include "sph_server/step/see_facets.hpp"
 #include "sph_server/step/sum_rates.hpp"
@@ -45,7 +46,7 @@ class LiquidEngineOf final : public LiquidEngine {
     for (int a = 0; a < 3; ++a)
       farthest = std::max({farthest, std::fabs(setup.domain.min[a]), std::fabs(setup.domain.max[a])});
     centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, setup.follows ? 10 : 4);
-    pairs_.unit = unit_;
+    pairs_.apart.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
     mark_.support = backs_.support = setup.liquid.support();
     const WallKernel kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
@@ -417,10 +418,10 @@ class LiquidEngineOf final : public LiquidEngine {
       if constexpr (std::is_same_v<Real, float>) {
         const double quanta = std::nearbyint(length * unit_.inverse);
         length = quanta * static_cast<double>(unit_.size);
-        pairs_.period[a] =
+        pairs_.apart.period[a] =
             static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(quanta)));
       } else {
-        pairs_.period[a] = length;
+        pairs_.apart.period[a] = length;
       }
       setup_.domain.max[a] = setup_.domain.min[a] + length;
     }
@@ -473,7 +474,8 @@ class LiquidEngineOf final : public LiquidEngine {
     pairs_.result = sums_.data();
     rates_.pairs = wall_sums_.pairs = sums_.data();
     rates_.walls = wall_sums_.result = of_walls_.data();
-    rates_.before = before_.data();
+    rates_.before = wall_sums_.before = before_.data();
+    edges_.entries = between_.data();
   }
 
   // Sums reach their range only in a liquid that has long burst.
@@ -569,10 +571,14 @@ class LiquidEngineOf final : public LiquidEngine {
                                                 reach_, distance_.data()});
     exec_.for_each(count(), FindClearance{facets_.view(), distance_.data(),
                                           MeasureFacets::at_least(reach_, walls.margin), clearance_.data()});
+    exec_.grow(position_in_cell_, count_);
+    exec_.for_each(count(),
+                   PlaceInCells<Real>{centres_, built_at_.data(), in_cell_.data(), position_in_cell_.data()});
     exec_.build_list(count(),
-                     FindNeighbours{grid_, grid_.edge(reach_), cells_of_reach_, setup_.periods,
-                                    cell_start_.data(), in_cell_.data(), built_at_.data(), reach_, walls,
-                                    facets_.view(), distance_.data(), clearance_.data()},
+                     FindNeighbours<Real>{grid_, grid_.edge(reach_), cells_of_reach_, pairs_.apart, centres_,
+                                          setup_.periods, cell_start_.data(), in_cell_.data(),
+                                          position_in_cell_.data(), built_at_.data(), reach_, walls,
+                                          facets_.view(), distance_.data(), clearance_.data()},
                      neighbours_);
     exec_.grow(place_of_facet_, facets_.total);
     exec_.grow(near_, facets_.total);
@@ -584,16 +590,36 @@ class LiquidEngineOf final : public LiquidEngine {
     use_arrays();
   }
 
+  // Marks numbers below n, and lists them, ascending. before: how many marks precede each number (n + 1).
+  template <class Mark>
+  std::uint32_t list_marked(std::uint32_t n, Mark mark, Buffer<std::uint32_t>& before,
+                            Buffer<std::uint32_t>& list) {
+    exec_.grow(before, std::size_t{n} + 1);
+    exec_.zero(before, std::size_t{n} + 1);
+    mark.mark = before.data();
+    const std::uint32_t marked = exec_.template reduce<Marked>(n, mark).count;
+    exec_.grow(list, marked);
+    exec_.exclusive_sum(before, n + 1);
+    exec_.for_each(n, ListMarked{before.data(), list.data()});
+    return marked;
+  }
   void list_beside_walls() {
-    exec_.grow(before_, count_ + 1);
-    exec_.zero(before_, count_ + 1);
-    beside_walls_ =
-        exec_.template reduce<BesideWalls>(count(), MarkBesideWalls{facets_.view(), before_.data()})
-            .particles;
-    exec_.grow(beside_wall_, beside_walls_);
+    beside_walls_ = list_marked(count(), MarkBesideWalls{facets_.view()}, before_, beside_wall_in_order_);
+    between_bodies_ = 0;
+    if (beside_walls_ == 0) return;
     exec_.grow(of_walls_, beside_walls_);
-    exec_.exclusive_sum(before_, count() + 1);
-    exec_.for_each(count(), ListBesideWalls{before_.data(), beside_wall_.data()});
+    exec_.grow(beside_wall_, beside_walls_);
+    const FacetClasses by_facets{facets_.view(), beside_wall_in_order_.data(), beside_walls_};
+    const std::uint32_t places = FacetClasses::classes * beside_walls_;
+    exec_.grow(class_, places);
+    exec_.zero(class_, places);
+    exec_.for_each(beside_walls_, MarkClass{by_facets, class_.data()});
+    exec_.exclusive_sum(class_, places);
+    exec_.for_each(beside_walls_, ListByClass{by_facets, class_.data(), beside_wall_.data()});
+    if (walls_.bodies() > 1)  // whose edges may meet
+      between_bodies_ = list_marked(facets_.total,
+                                    MarkBetweenBodies{facets_.view(), particle_.data(), device_walls_.view()},
+                                    between_before_, between_);
   }
 
   // See engine/lost.hpp.
@@ -655,10 +681,9 @@ class LiquidEngineOf final : public LiquidEngine {
     rates_.frame = frame_velocity();
     body_sums_.resize(walls_.bodies());
     const bool many_facets = facets_.total > 4 * beside_walls_;
-    const bool several = walls_.bodies() > 1;  // whose edges may meet
     const Tally sum =
         exec_.template reduce<Tally>(body_sums_, SumOver{beside_walls_, wall_sums_, many_facets},
-                                     SumOver{count(), rates_}, SumOver{several ? facets_.total : 0, edges_});
+                                     SumOver{count(), rates_}, SumOver{between_bodies_, edges_});
     if (sum.burst != 0)
       throw Error(ErrorCode::numerics,
                   "the liquid flies apart: forces between two particles are beyond any that a liquid of this "
@@ -704,6 +729,7 @@ class LiquidEngineOf final : public LiquidEngine {
   std::int32_t cells_of_reach_ = 1;
   Vec3d grid_origin_;  // where the domain is at the start [m]
   Buffer<std::uint32_t> key_, scratch_, cell_start_, in_cell_;
+  Buffer<Position<Real>> position_in_cell_;
   Buffer<Vec3d> built_at_, located_;  // positions when the lists were built, and for the next lists [m]
   std::vector<particles::BodyPose> built_poses_;
   Buffer<particles::BodyPose> built_pose_;
@@ -712,9 +738,11 @@ class LiquidEngineOf final : public LiquidEngine {
   bool keeps_all_ = false;  // a particle outside the domain is an error
   LostParticles lost_;
   Buffer<OutletRegion> outlets_;                            // see take_out()
-  Buffer<std::uint32_t> before_;                            // see ListBesideWalls
+  Buffer<std::uint32_t> before_;                            // how many beside walls precede each particle
   Buffer<std::uint32_t> stay_before_, stay_before_number_;  // see PartLost
-  Buffer<std::uint32_t> beside_wall_;
+  Buffer<std::uint32_t> beside_wall_in_order_, class_, beside_wall_;  // see FacetClasses
+  Buffer<std::uint32_t> between_before_, between_;                    // see MarkBetweenBodies
+  std::uint32_t between_bodies_ = 0;                                  // entries of between_
   Buffer<WallSums> of_walls_;
   std::uint32_t beside_walls_ = 0;
   List<Exec, Neighbour> neighbours_;

@@ -6,6 +6,7 @@
 
 #include "particles/base/group.hpp"
 #include "particles/grid/cell_grid.hpp"
+#include "sph_server/neighbours/apart.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
 #include "sph_server/neighbours/walls_view.hpp"
 
@@ -92,15 +93,32 @@ struct CellOfParticle {
   }
 };
 
+// Positions in the order of cells, so that the threads that compare them load them together.
+template <class Real>
+struct PlaceInCells {
+  particles::CentreUnit<Real> centres;
+  const Vec3d* x = nullptr;                      // [m]
+  const std::uint32_t* cell_particle = nullptr;  // by cell, ascending
+  Position<Real>* position = nullptr;            // of each of these
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    position[k] = position_of(centres, x[cell_particle[k]]);
+  }
+};
+
 // The particles within `reach` [m] of particle i that it sees: no wall is between them.
+template <class Real>
 struct FindNeighbours {
   static constexpr bool by_warps = true;
   particles::CellGrid grid;
   Vec3f edge;             // of a cell [reach]
   std::int32_t span = 1;  // cells that the reach spans, 1 or 2
+  Apart<Real> apart;
+  particles::CentreUnit<Real> centres;
   particles::Periods periods;
   const std::uint32_t* cell_start = nullptr;     // of each cell in cell_particle
   const std::uint32_t* cell_particle = nullptr;  // by cell, ascending
+  const Position<Real>* position = nullptr;      // of each of these
   const Vec3d* x = nullptr;                      // positions [m]
   double reach = 0;
   WallsView walls;
@@ -110,53 +128,88 @@ struct FindNeighbours {
 
   template <class Group, class Each>
   TANDEM_HD void operator()(std::uint32_t i, Group group, Each each) const {
-    const Vec3d here = x[i];
-    const std::int32_t home[3] = {grid.along(here.x, 0), grid.along(here.y, 1), grid.along(here.z, 2)};
-    const Vec3d in_cells{(here.x - grid.origin.x) * grid.inverse_cell.x,
-                         (here.y - grid.origin.y) * grid.inverse_cell.y,
-                         (here.z - grid.origin.z) * grid.inverse_cell.z};
-    const Vec3f in_home{static_cast<float>(in_cells.x - home[0]), static_cast<float>(in_cells.y - home[1]),
-                        static_cast<float>(in_cells.z - home[2])};
-    const auto across = static_cast<std::uint32_t>(2 * span + 1);
-    const auto particles_of_cell = [&](std::uint32_t k) -> particles::Run {
-      const std::uint32_t row = span == 2 ? k / 5 : k / 3, layer = span == 2 ? k / 25 : k / 9;
-      const std::int32_t offset[3] = {static_cast<std::int32_t>(k - row * across) - span,
-                                      static_cast<std::int32_t>(row - layer * across) - span,
-                                      static_cast<std::int32_t>(layer) - span};
-      if (is_out_of_reach(in_home, offset)) return {};
-      std::int32_t c[3] = {home[0] + offset[0], home[1] + offset[1], home[2] + offset[2]};
-      particles::Image image = 0;
-      if (!grid.exists<true>(c[0], 0, image) || !grid.exists<true>(c[1], 1, image) ||
-          !grid.exists<true>(c[2], 2, image))
-        return {};
-      const std::uint32_t cell = grid.number(c[0], c[1], c[2]);
-      return {cell_start[cell], cell_start[cell + 1], image};
-    };
+    const Row row(*this, x[i]);
+    const Position<Real> here = position_of(centres, x[i]);
+    const Real reach2 = static_cast<Real>(reach * reach);
+    const auto across = static_cast<std::uint32_t>(2 * span + 1), runs = runs_of_row();
     group.for_each(
-        across * across * across, particles_of_cell, [&](std::uint32_t n, std::uint32_t note, bool exists) {
+        across * across * runs, [&](std::uint32_t k) { return row.run(k / runs, k % runs); },
+        [&](std::uint32_t n, std::uint32_t note, bool exists) {
           const auto image = static_cast<particles::Image>(note);
           std::uint32_t j = i;
           if (exists) {
             j = cell_particle[n];
-            const Vec3d from = here - shift_of(image);
-            const double apart2 = norm2(from - x[j]);
-            exists = j != i && apart2 < reach * reach && !is_hidden(i, j, apart2, here + (x[j] - from));
+            const Real apart2 = norm2(apart(here, position[n], image));
+            exists = j != i && apart2 < reach2 && is_neighbour(i, j, static_cast<float>(apart2), image);
           }
           each(Neighbour(j, image), exists);
         });
   }
 
  private:
-  // Is every point of a cell out of reach of a point in the home cell [cells]? With a margin for rounding.
-  TANDEM_HD bool is_out_of_reach(Vec3f from, const std::int32_t (&offset)[3]) const {
-    float distance2 = 0;
-    for (int a = 0; a < 3; ++a) {
-      const float low = static_cast<float>(offset[a]);
-      const float gap = edge[a] * std::fmax(0.0F, std::fmax(low - from[a], from[a] - (low + 1)));
-      distance2 += gap * gap;
+  // Rows of cells along x near a particle. Cells are numbered without gaps within blocks of four.
+  struct Row {
+    const FindNeighbours& find;
+    std::int32_t home[3];
+    float in_home[3];
+
+    TANDEM_HD Row(const FindNeighbours& f, Vec3d here) : find(f) {
+      for (int a = 0; a < 3; ++a) {
+        home[a] = f.grid.along(here[a], a);
+        in_home[a] = static_cast<float>((here[a] - f.grid.origin[a]) * f.grid.inverse_cell[a] - home[a]);
+      }
     }
-    return distance2 > 1.0001F;
-  }
+    // Of the particle from the cells at this offset, along one axis [reach].
+    TANDEM_HD float gap(int axis, std::int32_t offset) const {
+      const float low = static_cast<float>(offset), from = in_home[axis];
+      return find.edge[axis] * std::fmax(0.0F, std::fmax(low - from, from - (low + 1)));
+    }
+    // Run `part` of a row: cells that hold particles within the reach, with a margin for rounding.
+    TANDEM_HD particles::Run run(std::uint32_t row, std::uint32_t part) const {
+      const auto span = find.span, across = 2 * span + 1;
+      const std::int32_t dy = static_cast<std::int32_t>(row) % across - span,
+                         dz = static_cast<std::int32_t>(row) / across - span;
+      const float y = gap(1, dy), z = gap(2, dz), left = 1.0001F - (y * y + z * z);
+      if (left < 0) return {};
+      std::int32_t cell_y = home[1] + dy, cell_z = home[2] + dz;
+      particles::Image image = 0;
+      const particles::CellGrid& grid = find.grid;
+      if (!grid.exists<true>(cell_y, 1, image) || !grid.exists<true>(cell_z, 2, image)) return {};
+      std::int32_t first = -span, last = span;
+      const auto out_of_reach = [&](std::int32_t dx) {
+        const float x = gap(0, dx);
+        return x * x > left;
+      };
+      while (first < 0 && out_of_reach(first)) ++first;
+      while (last > 0 && out_of_reach(last)) --last;
+      first += home[0];
+      last += home[0];
+      if (!grid.periodic[0]) {
+        first = first > 0 ? first : 0;
+        last = last < grid.cells[0] - 1 ? last : grid.cells[0] - 1;
+      }
+      for (; part > 0 && first <= last; --part) first = end_of_run(first, last) + 1;
+      if (first > last) return {};
+      last = end_of_run(first, last);
+      std::int32_t x = first;
+      grid.exists<true>(x, 0, image);
+      const std::uint32_t number = grid.number(x, cell_y, cell_z);
+      return {find.cell_start[number], find.cell_start[number + static_cast<std::uint32_t>(last - first) + 1],
+              image};
+    }
+    // The last cell up to `last` whose number follows without a gap, in the same image.
+    TANDEM_HD std::int32_t end_of_run(std::int32_t first, std::int32_t last) const {
+      const std::int32_t cells = find.grid.cells[0];
+      const std::int32_t shift = first < 0 ? cells : first < cells ? 0 : -cells;
+      const std::int32_t of_block = first + 3 - ((first + shift) & 3), of_image = first < 0 ? -1 : cells - 1;
+      last = last < of_block ? last : of_block;
+      return first >= cells || last < of_image ? last : of_image;
+    }
+  };
+
+  // In how many runs a row may fall: by the ends of blocks, and of the period.
+  TANDEM_HD std::uint32_t runs_of_row() const { return grid.periodic[0] ? 3 : 2; }
+
   TANDEM_HD Vec3d shift_of(particles::Image image) const {
     Vec3d shift;
     for (int a = 0; a < 3; ++a) {
@@ -165,12 +218,16 @@ struct FindNeighbours {
     }
     return shift;
   }
-  // y: where particle j is, or the image of it that i sees.
-  TANDEM_HD bool is_hidden(std::uint32_t i, std::uint32_t j, double apart2, Vec3d y) const {
-    const float apart = std::sqrt(static_cast<float>(apart2));
-    if (apart < clearance[i] + clearance[j]) return false;
-    return walls.between(facets.entry + facets.start[i], facets.entry + facets.start[i + 1],
-                         distance + facets.start[i], apart, x[i], y);
+  // Of a particle at this distance by positions that count modulo a length.
+  TANDEM_HD bool is_neighbour(std::uint32_t i, std::uint32_t j, float apart2, particles::Image image) const {
+    const float length = std::sqrt(apart2);
+    const bool far_cells = grid.apart2 > 0;
+    if (!far_cells && (length < clearance[i] || length < clearance[i] + clearance[j])) return true;
+    const Vec3d from = x[i] - shift_of(image), d = x[j] - from;
+    if (far_cells && norm2(d) > 2 * reach * reach) return false;
+    if (length < clearance[i] + clearance[j]) return true;
+    return !walls.between(facets.entry + facets.start[i], facets.entry + facets.start[i + 1],
+                          distance + facets.start[i], length, x[i], x[i] + d);
   }
 };
 

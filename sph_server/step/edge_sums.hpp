@@ -21,12 +21,14 @@ inline constexpr double edge_gap = 0.25;
 // slivers of hidden facets in sight, such as of the back of a plate.
 inline constexpr double sliver = 1e-5;
 
-// One facet near one particle, against those of other bodies near it.
+// One facet near one particle, against those of other bodies near it. Of particles that have several bodies
+// in their lists.
 template <class Real>
 struct SumEdges {
   static constexpr bool by_teams = false;
   LiquidArrays<Real> liquid;
   WallArrays arrays;
+  const std::uint32_t* entries = nullptr;  // see MarkBetweenBodies
   particles::CentreUnit<Real> centres;
   WallsView walls;
   WallConstants wall;
@@ -37,7 +39,8 @@ struct SumEdges {
 
   // `bodies`: sums of this thread.
   template <class Bodies>
-  TANDEM_HD void operator()(std::uint32_t entry, Tally& tally, Bodies& bodies) const {
+  TANDEM_HD void operator()(std::uint32_t number, Tally& tally, Bodies& bodies) const {
+    const std::uint32_t entry = entries[number];
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
                         count = arrays.near_count[i];
     // Those of a body follow each other.

@@ -7,6 +7,7 @@
 #include "particles/base/exact_sum.hpp"
 #include "sph_server/equations/pair_terms.hpp"
 #include "sph_server/equations/shift.hpp"
+#include "sph_server/neighbours/apart.hpp"
 #include "sph_server/step/arrays.hpp"
 
 namespace tandem::sph {
@@ -73,8 +74,7 @@ template <class Real, bool shifting>
 struct SumPairs {
   using Sums = PairSums<Real, shifting>;
   LiquidArrays<Real> liquid;
-  particles::LengthUnit<Real> unit;
-  Vec3<typename particles::LengthUnit<Real>::Count> period;
+  Apart<Real> apart;
   PairConstants<Real> pair;
   particles::AddendScale<Real> of_acceleration;  // in Quanta::acceleration
   particles::AddendScale<Real> of_rate;          // in Quanta::rate
@@ -116,19 +116,6 @@ struct SumPairs {
     return sum;
   }
   TANDEM_HD void take(std::uint32_t i, const Sums& sum) const { result[i] = sum; }
-
-  TANDEM_HD Vec3<Real> apart(const particles::PositionRadius<Real>& a,
-                             const particles::PositionRadius<Real>& b, particles::Image image) const {
-    using Unit = particles::LengthUnit<Real>;
-    Vec3<typename Unit::Count> d{Unit::minus(a.x, b.x), Unit::minus(a.y, b.y), Unit::minus(a.z, b.z)};
-    if (image != 0) {
-      for (int k = 0; k < 3; ++k) {
-        if (image & particles::image_above(k)) d[k] = Unit::minus(d[k], period[k]);
-        if (image & particles::image_below(k)) d[k] = Unit::minus(d[k], Unit::minus(0, period[k]));
-      }
-    }
-    return {unit.metres(d.x), unit.metres(d.y), unit.metres(d.z)};
-  }
 };
 
 }  // namespace tandem::sph

@@ -70,24 +70,4 @@ struct SumRates {
   }
 };
 
-// The particles that have facets in their lists.
-struct BesideWalls {
-  std::uint32_t particles = 0;
-  TANDEM_HD void add(const BesideWalls& b) { particles += b.particles; }
-};
-struct MarkBesideWalls {
-  ListView<std::uint32_t> facets;
-  std::uint32_t* mark = nullptr;  // 1: one of them
-  TANDEM_HD void operator()(std::uint32_t i, BesideWalls& sum) const {
-    mark[i] = facets.start[i] < facets.end[i] ? 1 : 0;
-    sum.particles += mark[i];
-  }
-};
-struct ListBesideWalls {
-  const std::uint32_t* before = nullptr;  // number of them before each particle (particles + 1)
-  std::uint32_t* particle = nullptr;
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    if (before[i + 1] != before[i]) particle[before[i]] = i;
-  }
-};
 }  // namespace tandem::sph

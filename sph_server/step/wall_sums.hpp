@@ -34,7 +34,8 @@ struct SumWalls {
   LiquidArrays<Real> liquid;
   const PairSums<Real, shifting>* pairs = nullptr;  // (count)
   const std::uint32_t* beside_wall = nullptr;       // the particles
-  WallSums* result = nullptr;                       // of each of them
+  const std::uint32_t* before = nullptr;            // how many of them precede each particle
+  WallSums* result = nullptr;                       // of each of them, in the order of particles
   WallArrays arrays;
   particles::CentreUnit<Real> centres;
   WallsView walls;
@@ -51,7 +52,7 @@ struct SumWalls {
   TANDEM_HD void operator()(std::uint32_t number, const Team& team, Tally& tally, Bodies& bodies) const {
     const std::uint32_t i = beside_wall[number];
     const WallSums sum = arrays.near_count[i] > 0 ? of(i, team, tally, bodies) : WallSums{};
-    if (team.leads()) result[number] = sum;
+    if (team.leads()) result[before[i]] = sum;
   }
 
  private:

@@ -21,7 +21,7 @@ void expect_the_bits_of_lanes(std::uint32_t count, double artificial) {
   std::uniform_real_distribution<float> u(-1, 1);
   SumPairs<float, shifting> pairs;
   pairs.pair = PairConstants<float>::of(liquid);
-  pairs.unit = particles::LengthUnit<float>::for_lengths(1);
+  pairs.apart.unit = particles::LengthUnit<float>::for_lengths(1);
   const auto range = particles::Quantum::for_range(1e12);
   pairs.of_acceleration = particles::AddendScale<float>::of(range, 1e8);
   pairs.of_rate = particles::AddendScale<float>::of(range, 1e6);
@@ -29,7 +29,7 @@ void expect_the_bits_of_lanes(std::uint32_t count, double artificial) {
   std::vector<ParticleState<float>> state(count);
   std::vector<Neighbour> entry;
   for (std::uint32_t k = 0; k < count; ++k) {
-    const auto place = [&] { return pairs.unit.count(0.032 * static_cast<double>(u(random))); };
+    const auto place = [&] { return pairs.apart.unit.count(0.032 * static_cast<double>(u(random))); };
     position[k] = {place(), place(), place(), 0};
     state[k] = {{u(random), u(random), u(random)}, 1000 * u(random), {u(random), u(random), -9810}, 1e-6F};
     if (k > 0) entry.emplace_back(k, particles::Image{0});

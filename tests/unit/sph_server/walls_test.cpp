@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <set>
 #include <vector>
 
 #include "sph_server/backend/cpu/exec_cpu.hpp"
@@ -95,24 +97,97 @@ TEST(NeighbourList, EndsAtASheet) {
   EXPECT_NEAR(clearance[3], std::hypot(0.05, 0.1), 2e-5) << "from the edges of the hole";
   EXPECT_LT(clearance[3], std::hypot(0.05, 0.1));
   List<CpuExec, Neighbour> list;
+  std::vector<Position<double>> position(n);
+  exec.for_each(n, PlaceInCells<double>{{}, x.data(), in_cell.data(), position.data()});
   exec.build_list(n,
-                  FindNeighbours{grid,
-                                 grid.edge(0.5),
-                                 1,
-                                 {},
-                                 cell_start.data(),
-                                 in_cell.data(),
-                                 x.data(),
-                                 0.5,
-                                 walls.view(),
-                                 facets.view(),
-                                 distance.data(),
-                                 clearance.data()},
+                  FindNeighbours<double>{grid,
+                                         grid.edge(0.5),
+                                         1,
+                                         {},
+                                         {},
+                                         {},
+                                         cell_start.data(),
+                                         in_cell.data(),
+                                         position.data(),
+                                         x.data(),
+                                         0.5,
+                                         walls.view(),
+                                         facets.view(),
+                                         distance.data(),
+                                         clearance.data()},
                   list);
   EXPECT_EQ(std::vector<std::uint32_t>(list.start.data(), list.start.data() + n + 1),
             (std::vector<std::uint32_t>{0, 0, 1, 2, 3, 4}));
   EXPECT_EQ(list.entry.data()[0].index(), 2u);
   EXPECT_EQ(list.entry.data()[2].index(), 4u);
+}
+
+// Lists of random particles in domains of some cells, periodic along some axes, against all pairs.
+template <class Real>
+void expect_lists_of_all_pairs(int span, Vec3d size, Vec3<bool> periodic, double largest_cell = 0) {
+  constexpr double reach = 0.3;
+  scene::Box domain{{-0.2, 0.1, 3}, Vec3d{-0.2, 0.1, 3} + size};
+  particles::Periods periods;
+  periods.min = domain.min;
+  for (int a = 0; a < 3; ++a) periods.length[a] = periodic[a] ? size[a] : 0;
+  const particles::CellGrid grid =
+      particles::make_cell_grid(domain, periods, reach / span, largest_cell > 0 ? 30 : 1e6);
+  const auto unit = particles::LengthUnit<Real>::for_lengths(4 * reach);
+  Apart<Real> apart{unit, {}};
+  for (int a = 0; a < 3; ++a) apart.period[a] = unit.count(periods.length[a]);
+  const auto centres = particles::CentreUnit<Real>::for_range(unit, 10, 4);
+  std::mt19937_64 random(11);
+  std::vector<Vec3d> x(500);
+  for (Vec3d& at : x)
+    for (int a = 0; a < 3; ++a)
+      at[a] = std::uniform_real_distribution<double>(domain.min[a], domain.max[a])(random);
+  CpuExec exec(2);
+  CpuExec::Buffer<std::uint32_t> key, scratch, cell_start, in_cell;
+  for (auto* array : {&key, &scratch, &in_cell}) array->resize(x.size());
+  cell_start.resize(grid.total + 2);
+  const auto n = static_cast<std::uint32_t>(x.size());
+  exec.sort_into_cells(n, grid.total, CellOfParticle{grid, x.data()}, key.data(), scratch.data(), cell_start,
+                       in_cell);
+  std::vector<Position<Real>> position(n);
+  exec.for_each(n, PlaceInCells<Real>{centres, x.data(), in_cell.data(), position.data()});
+  const std::vector<float> clearance(n, 1);  // no walls
+  const Walls none({}, reach);
+  List<CpuExec, std::uint32_t> facets;
+  exec.build_list(n, FindFacets{none.view(), x.data(), reach}, facets);
+  List<CpuExec, Neighbour> list;
+  exec.build_list(n,
+                  FindNeighbours<Real>{grid, grid.edge(reach), span, apart, centres, periods,
+                                       cell_start.data(), in_cell.data(), position.data(), x.data(), reach,
+                                       none.view(), facets.view(), nullptr, clearance.data()},
+                  list);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    std::multiset<std::uint32_t> found, expected;
+    for (std::uint32_t k = list.start.data()[i]; k < list.start.data()[i + 1]; ++k) {
+      const Neighbour neighbour = list.entry.data()[k];
+      found.insert(neighbour.index());
+      Vec3d d = x[i] - x[neighbour.index()];
+      for (int a = 0; a < 3; ++a) {
+        if (neighbour.image() & particles::image_above(a)) d[a] -= periods.length[a];
+        if (neighbour.image() & particles::image_below(a)) d[a] += periods.length[a];
+      }
+      EXPECT_LT(norm(d), reach) << "the image of " << neighbour.index() << " that " << i << " lists";
+    }
+    for (std::uint32_t j = 0; j < n; ++j)
+      if (j != i && norm(periods.shortest(x[i] - x[j])) < reach) expected.insert(j);
+    EXPECT_EQ(found, expected) << "of particle " << i;
+  }
+}
+
+TEST(NeighbourList, IsThatOfAllPairs) {
+  for (const int span : {1, 2})
+    for (const Vec3d size : {Vec3d{0.9, 1, 1.4}, Vec3d{1.24, 0.95, 0.92}, Vec3d{1.5, 1.1, 0.97}})
+      for (int axes = 0; axes < 8; ++axes) {
+        const Vec3<bool> periodic{(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+        expect_lists_of_all_pairs<float>(span, size, periodic);
+        expect_lists_of_all_pairs<double>(span, size, periodic);
+      }
+  // Cells that are larger than the range of positions.
+  expect_lists_of_all_pairs<float>(1, {30, 1, 1}, {false, false, false}, 8);
 }
 
 // Of a lid that covers a round vessel, points inside see a polygon of as many corners as the vessel has.
