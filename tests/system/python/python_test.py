@@ -241,7 +241,9 @@ class Softening(Case):
                               (start + ["mouth"], "'mouth' is no column; it has 'mouth."), (["--of", "mouth.flow", "--error", "x"], "'x' is no error"),
                               (start + ["mouth.flow", "--window", "0.03"], "no whole number of windows of 0.03 s"),
                               (start + ["mouth.flow", "--step", "0.6"], "above 0.4"), (start + ["mouth.flow", "--modulus", "1"], "no step up"),
-                              (start + ["mouth.flow", "--set", "muoth=1"], "did you mean 'mouth'"), (["--of", "mouth.flow"], "--error")):
+                              (start + ["mouth.flow", "--set", "muoth=1"], "did you mean 'mouth'"),
+                              (start + ["summary.lost_partikles"], "--of summary.lost_partikles: summary.json of this scene has no number 'lost_partikles' (did you mean"),
+                              (start + ["mouth.flow", "--limit", "nan"], "'nan' is no number from 0 to"), (["--of", "mouth.flow"], "--error")):
             said = self.soften(*words)
             self.assertIn(wanted, said.stderr)
             self.assertEqual(said.returncode, 2, said.stderr)
@@ -302,7 +304,7 @@ class Templates(Case):
         self.assertEqual(r.verdict, "ok")
         self.assertAlmostEqual(r["crank_pin.rate"].last(), 3, places=2)
         for words, wanted in ((["--template", "hoper"], "no template 'hoper'; did you mean 'hopper'"), (["rig", "--template", "linkage"], "exists"),
-                              ([], "--template")):
+                              (["rig.json", "--template", "linkage"], "a file is given by --out"), ([], "--template")):
             said = subprocess.run([os.environ["TANDEM"], "new", "scene", *words], capture_output=True, text=True, check=False)
             self.assertIn(wanted, said.stderr)
             self.assertEqual(said.returncode, 2)
