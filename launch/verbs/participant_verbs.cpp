@@ -133,9 +133,10 @@ void add_new(CLI::App& app) {
   verb->callback([=] {
     if (*kind == "scene") {
       if (scene_template->empty())
-        throw Error(ErrorCode::usage, "is required", "--template",
-                    "write tandem new scene --template hopper, round_hopper, conveyor, screw, chute, tank, mixer, "
-                    "bucket or linkage");
+        throw Error(
+            ErrorCode::usage, "is required", "--template",
+            "write tandem new scene --template hopper, round_hopper, conveyor, screw, chute, tank, mixer, "
+            "bucket or linkage");
       std::vector<std::string> words{"--template=" + *scene_template};
       if (!wanted->name.empty()) words.push_back(wanted->name);
       if (!wanted->folder.empty()) words.push_back("--out=" + wanted->folder.string());
