@@ -112,12 +112,12 @@ def screw() -> Scene:
     motor = s.motor("motor", shaft, max_torque=100, gains={"proportional": 5, "integral": 20})
     motor.speed = {"type": "ramp", "to": "=speed", "duration": .3}
     s.wall("trough", shape={"type": "mesh", "file": _trough(turns), "stretch": ["=pitch", f"={tube}", f"={tube}"]}, material=grain)
-    s.box("tail", (.006, f"={tube}", f"=1.4*{tube}"), at=(-.004, 0, f"=0.2*{tube}"), material=grain)
-    s.inlet("feed", grain, ("=0.1*pitch + radius", "=-0.3*diameter", "=0.6*diameter"), ("=1.1*pitch + radius", "=0.3*diameter", "=0.6*diameter + 8*radius"),
+    s.box("tail", (.006, f"={tube}", f"=1.6*{tube}"), at=(-.004, 0, f"=0.3*{tube}"), material=grain)
+    s.inlet("feed", grain, ("=0.1*pitch + radius", "=-0.25*diameter", "=0.6*diameter"), ("=1.1*pitch + radius", "=0.25*diameter", "=0.6*diameter + 8*radius"),
             radius=_radii(), mass_rate="=rate", velocity=(0, 0, -.5))
     s.sensor("end", box=("=pitch", f"={tube}", f"=1.6*{tube}"), at=(f"={turns - .5}*pitch", 0, 0), flow="x")
     s.outlet("below", below="=-1.5*diameter")
-    s.domain((-.05, "=-diameter", "=-2*diameter"), (f"={turns + 2}*pitch", "=diameter", "=diameter + 12*radius"))
+    s.domain(("=-diameter", "=-2*diameter", "=-2*diameter"), (f"={turns + 2}*pitch", "=2*diameter", "=diameter + 12*radius"))
     s.expect("what is fed comes out", "end.flow", "=rate", .15, reduce="mean", start=2.5, stop=3.5,
              why="the steady flow, which this screw has after 2 s; a slower or a longer one needs a later end_time")
     s.expect("no grain is lost", "summary.lost_particles", 0, 0, absolute=True)
@@ -127,7 +127,7 @@ def screw() -> Scene:
 def _flight(turns: int) -> str:
     """The flight of a screw about x that moves grains along x when it turns about x: diameter and pitch are 1, the sheet 0.04 thick."""
     import numpy as np
-    angles = np.linspace(0, 2 * np.pi * turns, 36 * turns + 1)
+    angles = np.linspace(0, 2 * np.pi * turns, 64 * turns + 1)
     middle = .02 + angles / (2 * np.pi)
     # Four edges of the sheet: at the shaft and at the rim, behind and in front.
     inner, outer, outer_front, inner_front = (np.stack([middle + side, radius * np.cos(angles), -radius * np.sin(angles)], axis=1)
@@ -146,10 +146,10 @@ def _flight(turns: int) -> str:
 
 
 def _trough(turns: int) -> str:
-    """The lower half of a tube about x with upright sides: its diameter is 1."""
+    """A tube about x, of diameter 1, with a slot along its top. Upright sides would make a wedge with the rim of the flight, which pulls grains in
+    where it comes down."""
     import numpy as np
-    angles = np.linspace(-np.pi, 0, 33)
-    profile = [(-.5, .7)] + [(.5 * np.cos(a), .5 * np.sin(a)) for a in angles] + [(.5, .7)]
+    profile = [(.5 * np.cos(a), .5 * np.sin(a)) for a in np.radians(np.linspace(-220, 40, 53))]
     triangles = []
     for (y, z), (v, w) in zip(profile, profile[1:]):
         p, q, r, t = (0, y, z), (turns, y, z), (turns, v, w), (0, v, w)

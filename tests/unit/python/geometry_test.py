@@ -73,7 +73,7 @@ class Meshes(unittest.TestCase):
             for a, b in zip(t, np.roll(t, -1, axis=0)):
                 edges[tuple(a), tuple(b)] = edges.get((tuple(a), tuple(b)), 0) + 1
         self.assertTrue(all(count == 1 and edges.get((b, a)) == 1 for (a, b), count in edges.items()))
-        flat = math.sin(math.tau / 36) / (math.tau / 36)  # of a circle with 36 corners
+        flat = math.sin(math.tau / 64) / (math.tau / 64)  # of a circle with 64 corners
         volume = geometry.volume({"type": "mesh", "file": shape["file"]})
         self.assertAlmostEqual(volume / (3 * .04 * math.pi * (.5**2 - .1**2) * flat), 1, 3)
         self.assertAlmostEqual(geometry.volume({**shape, "stretch": [.5, 2, 2]}) / volume, 2, 6)
