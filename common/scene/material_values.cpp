@@ -6,6 +6,8 @@
 
 #include "common/scene/fault.hpp"
 #include "common/scene/material_library.hpp"
+#include "common/scene/nearest_name.hpp"
+#include "common/utf8.hpp"
 
 namespace tandem::scene {
 namespace material_values {
@@ -55,6 +57,14 @@ class Filler {
   }
 
   void complete(json& object, const LibraryMaterial& material, const std::string& path) {
+    if (material.viscosity)
+      fail(origin_, path,
+           fmt::format("'{}' is a liquid of the library, which grains and their walls cannot be of",
+                       material.name),
+           fmt::format("write it as a liquid, \"sph\": {{\"liquids\": [{{\"name\": \"{}\", ...}}]}}, or take "
+                       "a solid such as "
+                       "'glass', or give density, young and poisson of your own in dem.materials",
+                       material.name));
     take_figure(object, "density", material.density, material, "kg/m3", path);
     take_figure(object, "young", material.young, material, "Pa", path);
     take_figure(object, "poisson", material.poisson, material, "-", path);
@@ -157,8 +167,73 @@ class Filler {
   std::vector<Parameter> taken_;
 };
 
+// Misspelt names of the library, before others say what their figures lack.
+class NameCheck {
+ public:
+  NameCheck(const nlohmann::json& dem, const std::string& origin) : dem_(dem), origin_(origin) {}
+
+  void of_list() {
+    if (!dem_.contains("materials") || !dem_["materials"].is_array()) return;
+    for (std::size_t i = 0; i < dem_["materials"].size(); ++i) {
+      const nlohmann::json& material = dem_["materials"][i];
+      const std::string name = word(material, "name");
+      listed_.push_back(name);
+      if (find_library_material(name)) continue;
+      const std::string* meant = nearest_name(name, library_);
+      for (const char* key : {"density", "young", "poisson"})
+        if (meant && material.is_object() && !material.contains(key))
+          fail(origin_, fmt::format("dem.materials[{}]", i),
+               fmt::format("the key '{}' is missing, and '{}' is no material of the library", key,
+                           shortened(name)),
+               fmt::format("did you mean '{}'? if not, add {}", *meant, key));
+    }
+  }
+
+  void of_users(const nlohmann::json& users, const std::string& list, bool walls_only) const {
+    if (!users.is_array()) return;
+    for (std::size_t i = 0; i < users.size(); ++i) {
+      const std::string name = word(users[i], "material");
+      if (name.empty() || (walls_only && word(users[i], "use") != "wall") || find_library_material(name) ||
+          std::ranges::find(listed_, name) != listed_.end())
+        continue;
+      // The names of the scene come first, and have a check of their own.
+      if (!listed_.empty() && (nearest_name(name, listed_) || !nearest_name(name, library_))) continue;
+      fail(origin_, fmt::format("{}[{}].material", list, i),
+           fmt::format("'{}' is no material of the scene or of the library", shortened(name)),
+           suggest_name(name, library_, "materials of the library"));
+    }
+  }
+
+ private:
+  static std::string word(const nlohmann::json& object, const char* key) {
+    return object.is_object() && object.contains(key) && object[key].is_string()
+               ? object[key].get<std::string>()
+               : "";
+  }
+
+  const nlohmann::json& dem_;
+  const std::string& origin_;
+  std::vector<std::string> listed_;
+  const std::vector<std::string> library_ = library_material_names();
+};
+
 }  // namespace
 }  // namespace material_values
+
+void expect_known_materials(const nlohmann::json& document, const std::string& origin) {
+  if (!document.is_object() || !document.contains("dem") || !document["dem"].is_object()) return;
+  const nlohmann::json& dem = document["dem"];
+  material_values::NameCheck names(dem, origin);
+  names.of_list();
+  for (const char* list : {"particles", "walls"})
+    if (dem.contains(list)) names.of_users(dem[list], std::string("dem.") + list, false);
+  if (!document.contains("mbd") || !document["mbd"].is_object() || !document["mbd"].contains("bodies"))
+    return;
+  const nlohmann::json& bodies = document["mbd"]["bodies"];
+  for (std::size_t i = 0; bodies.is_array() && i < bodies.size(); ++i)
+    if (bodies[i].is_object() && bodies[i].contains("shapes"))
+      names.of_users(bodies[i]["shapes"], fmt::format("mbd.bodies[{}].shapes", i), true);
+}
 
 bool may_use_library(const std::string& text) {
   return std::ranges::any_of(library_materials(), [&](const LibraryMaterial& material) {

@@ -49,7 +49,8 @@ struct SphereShape {
 struct MeshShape {
   std::string file;
   double scale = 1;
-};  // STL or OBJ, relative to the scene's folder
+  Vec3d stretch{1, 1, 1};  // further factors along the axes of the file [-]
+};                         // STL or OBJ, relative to the scene's folder
 
 // Velocity of a surface along itself, such as that of a conveyor belt: the wall stays where it is. At a
 // contact it is the part across the contact's normal.

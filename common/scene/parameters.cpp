@@ -145,9 +145,10 @@ class Parameters {
       const double limit = in_unit(given[bound], of, path + "." + bound).value;
       if (bound[1] == 'i' ? q.value >= limit : q.value <= limit) continue;
       const double scale = of == "deg" ? degree : 1;
+      const json& asked = given[bound];
       fail(origin_, path,
-           fmt::format("{:.10g} is {} '{}', {:.10g}", q.value / scale, bound[1] == 'i' ? "below" : "above",
-                       bound, limit / scale),
+           fmt::format("{:.10g} is {} '{}', {}{:.10g}", q.value / scale, bound[1] == 'i' ? "below" : "above",
+                       bound, asked.is_string() ? asked.dump() + ", which is " : "", limit / scale),
            "give a value within the limits, or change them");
     }
     pending_.pop_back();
@@ -192,6 +193,7 @@ void replace(json& value, const std::string& key, const std::string& path, Param
 std::vector<Parameter> put_in_parameters(std::string& text, const std::map<std::string, double>& set,
                                          const std::string& origin) {
   const nlohmann::json checked = read_document(text, origin);
+  expect_known_materials(checked, origin);
   const bool any = checked.is_object() && checked.contains("parameters");
   const bool has_numbers = any || !set.empty() || text.find("\"=") != std::string::npos;
   if (!has_numbers && !may_use_library(text)) return {};

@@ -101,6 +101,7 @@ Geometry parse_geometry(const Node& node) {
   MeshShape mesh;
   node.read("file", mesh.file);
   node.read("scale", mesh.scale);
+  node.read("stretch", mesh.stretch);
   return mesh;
 }
 

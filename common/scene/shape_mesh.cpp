@@ -38,6 +38,11 @@ double scale_of(const Geometry& geometry) {
   return 1;
 }
 
+Vec3d units_of(const Geometry& geometry) {
+  const auto* mesh = std::get_if<MeshShape>(&geometry);
+  return scale_of(geometry) * (mesh ? mesh->stretch : Vec3d{1, 1, 1});
+}
+
 std::string contact_mesh_name(const Scene& scene, const Shape& shape) {
   return scene.body_name(shape.body) + "/" + shape.name;
 }

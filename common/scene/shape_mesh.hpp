@@ -11,6 +11,8 @@ namespace tandem::scene {
 // The file of a mesh or of the points of a hull; empty where the shape has none.
 const std::string& file_of(const Geometry& geometry);
 double scale_of(const Geometry& geometry);
+// Length of a unit of the file along each of its axes [m].
+Vec3d units_of(const Geometry& geometry);
 
 // Name under which the solvers receive the triangles of a shape of contact with a file: "BODY/SHAPE". Names
 // of walls have no slash.

@@ -99,8 +99,8 @@ bool overlap(const Wall& a, const Wall& b, bool by_faces) {
   const auto* mesh_a = std::get_if<MeshShape>(&a.shape);
   const auto* mesh_b = std::get_if<MeshShape>(&b.shape);
   if (mesh_a && mesh_b)
-    return mesh_a->file == mesh_b->file && mesh_a->scale == mesh_b->scale && a.pose.p_WB == b.pose.p_WB &&
-           a.pose.q_WB == b.pose.q_WB;
+    return mesh_a->file == mesh_b->file && mesh_a->scale == mesh_b->scale &&
+           mesh_a->stretch == mesh_b->stretch && a.pose.p_WB == b.pose.p_WB && a.pose.q_WB == b.pose.q_WB;
   const auto* sphere_a = std::get_if<SphereShape>(&a.shape);
   const auto* sphere_b = std::get_if<SphereShape>(&b.shape);
   if (sphere_a && sphere_b) return overlap(*sphere_a, a.pose, *sphere_b, b.pose);

@@ -59,6 +59,16 @@ bool is_there(const std::string& wall, const SceneFile& file) {
   return std::ranges::find(file.meshes, wall, &protocol::NamedMesh::name) != file.meshes.end();
 }
 
+TriangleMesh mesh_in_file(const std::filesystem::path& file, const scene::Geometry& geometry) {
+  const double scale = scene::scale_of(geometry);
+  TriangleMesh mesh = import_mesh(file, scale);
+  const Vec3d unit = scene::units_of(geometry);
+  if (unit.x == scale && unit.y == scale && unit.z == scale) return mesh;
+  for (Vec3d& p : mesh.vertices)
+    for (int k = 0; k < 3; ++k) p[k] *= unit[k] / scale;
+  return mesh;
+}
+
 // Reads the files of the shapes, and leaves the triangles of those that bodies are made of in the order of
 // the shapes. The triangles of the others, which may be many, are in file.meshes only.
 std::vector<TriangleMesh> import_meshes(const std::filesystem::path& folder, SceneFile& file) {
@@ -69,7 +79,7 @@ std::vector<TriangleMesh> import_meshes(const std::filesystem::path& folder, Sce
     if (name.empty()) continue;
     const double scale = scene::scale_of(shape.geometry);
     file.inputs.push_back(scene::resolve_file(name, folder));
-    meshes[i] = import_mesh(file.inputs.back(), scale);
+    meshes[i] = mesh_in_file(file.inputs.back(), shape.geometry);
     if (shape.use != scene::ShapeUse::wall || scene::is_made_of_facets(shape.geometry)) continue;
     if (is_there(shape.name, file)) continue;  // it is of grains and of the liquid
     file.mesh_facts.push_back({shape.name, name, scale, facts_of(meshes[i])});
@@ -104,7 +114,7 @@ std::vector<TriangleMesh> import_ground(const std::filesystem::path& folder, Sce
     const std::string& name = scene::file_of(shape.geometry);
     if (name.empty()) continue;
     file.inputs.push_back(scene::resolve_file(name, folder));
-    mesh = import_mesh(file.inputs.back(), scene::scale_of(shape.geometry));
+    mesh = mesh_in_file(file.inputs.back(), shape.geometry);
   }
   return meshes;
 }

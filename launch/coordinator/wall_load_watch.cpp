@@ -73,6 +73,9 @@ bool WallLoadWatch::is_loaded(std::uint32_t body, const Exchange& exchange) {
 
 void WallLoadWatch::observe(const protocol::ParticlesFrame& frame, const Exchange& exchange) {
   if (frame.time != exchange.load.window.end) return;
+  const protocol::LoadSet& load = exchange.load;
+  const double just_now = 2 * to_seconds(load.window.end - load.window.begin) /
+                          static_cast<double>(std::max<std::uint64_t>(load.account.micro_steps, 1));  // [s]
   std::size_t tests_per_sphere = 0;
   for (const auto& [body, faces] : faces_)
     if (!is_loaded(body, exchange)) tests_per_sphere += faces.size();
@@ -104,7 +107,10 @@ void WallLoadWatch::observe(const protocol::ParticlesFrame& frame, const Exchang
             !(std::abs(dot(from, face.u)) < face.half_u && std::abs(dot(from, face.v)) < face.half_v))
           continue;
         const Vec3d normal = pose.q_WB.rotate(height > 0 ? face.normal : -face.normal);
-        if (dot(v, normal) > 0) continue;
+        const double approach = -dot(v, normal);
+        if (approach < 0) continue;
+        // In the last micro step forces are those of its beginning, when the sphere may not have been there.
+        if (!(distance + approach * just_now < (1 - pressing_overlap) * radius)) continue;
         normals += normal;
         if (++pressing == 1)
           example = fmt::format("sphere {} overlaps wall '{}' by {:.3g} m", frame.id[i], face.wall,

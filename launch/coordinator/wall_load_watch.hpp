@@ -1,6 +1,6 @@
 // Whether the loads of the particles are on the bodies whose walls the spheres touch. In a frame, a sphere
 // that overlaps a plane or a face of a box and approaches it loads the body of that wall, whatever the
-// contact law.
+// contact law, unless it may have come there in the last micro steps.
 #pragma once
 
 #include <cstdint>

@@ -46,14 +46,17 @@ std::optional<Json> shape_of(const urdf::Geometry& geometry, const fs::path& mod
     case urdf::Geometry::MESH: {
       const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
       const urdf::Vector3& scale = mesh.scale;
-      if (!(scale.x > 0) || scale.x != scale.y || scale.x != scale.z)
+      if (!(scale.x > 0 && scale.y > 0 && scale.z > 0))
         throw Error(
             ErrorCode::scene,
             fmt::format("the mesh '{}' has the scale {} {} {}", mesh.filename, scale.x, scale.y, scale.z), {},
-            "a scene takes one positive scale for all directions: scale the mesh itself");
+            "a scene takes positive scales only: mirror the mesh itself");
       const fs::path file = mesh_file(mesh.filename, model);
       import_mesh(file, scale.x);  // reports a wrong mesh together with its link
-      return Json{{"type", "mesh"}, {"file", fs::proximate(file, folder).string()}, {"scale", scale.x}};
+      Json shape{{"type", "mesh"}, {"file", fs::proximate(file, folder).string()}, {"scale", scale.x}};
+      if (scale.y != scale.x || scale.z != scale.x)
+        shape["stretch"] = {1, scale.y / scale.x, scale.z / scale.x};
+      return shape;
     }
     default:
       return {};

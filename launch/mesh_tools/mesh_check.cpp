@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <set>
 #include <unordered_map>
 
@@ -14,26 +16,91 @@ namespace mesh_check {
 
 using Triangle = std::array<Vec3d, 3>;
 
-// Six times the volume of the tetrahedron a b c d.
-double volume6(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
-  return dot(cross(b - a, c - a), d - a);
+struct Interval {
+  double low = 1e300, high = -1e300;
+  void add(double x) { low = std::min(low, x), high = std::max(high, x); }
+};
+
+// Heights of the corners of a triangle above a plane; within round-off of the plane 0.
+std::array<double, 3> heights_above(Vec3d point, Vec3d normal, const Triangle& t, double size) {
+  std::array<double, 3> height{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    height[i] = dot(normal, t[i] - point);
+    if (std::abs(height[i]) <= 1e-9 * size) height[i] = 0;
+  }
+  return height;
 }
 
-// Does the segment p q pass through the inside of the triangle?
-bool pierces(Vec3d p, Vec3d q, const Triangle& t) {
-  const double above = volume6(t[0], t[1], t[2], p), below = volume6(t[0], t[1], t[2], q);
-  // Points that are in the plane up to round-off touch it only.
-  const double size = norm(cross(t[1] - t[0], t[2] - t[0])), least = 1e-9 * size * norm(q - p);
-  if (!(above > least && below < -least) && !(above < -least && below > least)) return false;
-  const double u = volume6(p, q, t[0], t[1]), v = volume6(p, q, t[1], t[2]), w = volume6(p, q, t[2], t[0]);
-  return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
+// Where the triangle meets the plane of its heights, along the line of the two planes.
+Interval section(const Triangle& t, const std::array<double, 3>& height, Vec3d point, Vec3d along) {
+  Interval interval;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t k = (i + 1) % 3;
+    if (height[i] == 0) interval.add(dot(along, t[i] - point));
+    if (height[i] * height[k] < 0)
+      interval.add(dot(along, t[i] + (height[i] / (height[i] - height[k])) * (t[k] - t[i]) - point));
+  }
+  return interval;
 }
 
-bool pass_through(const Triangle& a, const Triangle& b) {
-  for (std::size_t i = 0; i < 3; ++i)
-    if (pierces(a[i], a[(i + 1) % 3], b) || pierces(b[i], b[(i + 1) % 3], a)) return true;
-  return false;
+bool goes_through(const std::array<double, 3>& height) {
+  const auto [low, high] = std::ranges::minmax(height);
+  return low < 0 && high > 0;
 }
+
+// What two triangles without a common corner have in common: a line in the inside of both, an edge of the one
+// in the inside of the other, or less.
+struct Meeting {
+  bool through = false;
+  std::optional<std::size_t> edge_of_first, edge_of_second;  // opposite to this corner
+};
+
+// By the sections of both with the line of their planes [Moller1997].
+Meeting meeting_of(const Triangle& a, const Triangle& b) {
+  const Vec3d na = cross(a[1] - a[0], a[2] - a[0]), nb = cross(b[1] - b[0], b[2] - b[0]);
+  if (!(norm(na) > 0 && norm(nb) > 0)) return {};
+  const double size = std::sqrt(std::max(
+      {norm2(a[1] - a[0]), norm2(a[2] - a[0]), norm2(b[1] - b[0]), norm2(b[2] - b[0]), norm2(b[0] - a[0])}));
+  const auto of_a = heights_above(b[0], (1 / norm(nb)) * nb, a, size),
+             of_b = heights_above(a[0], (1 / norm(na)) * na, b, size);
+  const bool a_through = goes_through(of_a), b_through = goes_through(of_b);
+  if (!a_through && !b_through) return {};
+  const Vec3d line = cross(na, nb);
+  if (!(norm(line) > 0)) return {};
+  const Vec3d along = (1 / norm(line)) * line;
+  const Interval one = section(a, of_a, a[0], along), other = section(b, of_b, a[0], along);
+  if (!(std::min(one.high, other.high) - std::max(one.low, other.low) > 1e-9 * size)) return {};
+  if (a_through && b_through) return {.through = true, .edge_of_first = {}, .edge_of_second = {}};
+  // Not both: the other one has two corners in the plane, or one, whose section is a point.
+  const auto& flat = a_through ? of_b : of_a;
+  const auto off = static_cast<std::size_t>(
+      std::ranges::find_if(flat, [](double height) { return height != 0; }) - flat.begin());
+  Meeting meeting;
+  (a_through ? meeting.edge_of_second : meeting.edge_of_first) = off;
+  return meeting;
+}
+
+// Edges that lie in the inside of a triangle: there the surface of the edge goes through where it goes on on
+// the other side.
+class EdgesInTriangles {
+ public:
+  // Of the edge opposite to a corner of triangle t. Was the edge seen in `other` with a triangle on the other
+  // side?
+  bool passes(const TriangleMesh& mesh, std::uint32_t t, std::size_t corner, std::uint32_t other) {
+    const auto& own = mesh.triangles[t];
+    const auto& [i, j, k] = mesh.triangles[other];
+    const Vec3d a = mesh.vertices[i], normal = cross(mesh.vertices[j] - a, mesh.vertices[k] - a);
+    const bool above = dot(normal, mesh.vertices[own[corner]] - a) > 0;
+    const auto [low, high] = std::minmax(own[(corner + 1) % 3], own[(corner + 2) % 3]);
+    bool& seen = seen_[{low, high, other}][above ? 1 : 0];
+    const bool is_new = !seen;
+    seen = true;
+    return is_new && seen_[{low, high, other}][above ? 0 : 1];
+  }
+
+ private:
+  std::map<std::array<std::uint32_t, 3>, std::array<bool, 2>> seen_;
+};
 
 // Candidates by the x axis: triangles in the order of their lowest x, each against those that begin before it
 // ends.
@@ -43,6 +110,7 @@ void find_intersections(const TriangleMesh& mesh, MeshFaults& faults) {
     std::uint32_t triangle;
   };
   std::vector<Span> spans;
+  EdgesInTriangles edges;
   const auto corners = [&](std::uint32_t t) {
     const auto& [a, b, c] = mesh.triangles[t];
     return Triangle{mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
@@ -72,7 +140,12 @@ void find_intersections(const TriangleMesh& mesh, MeshFaults& faults) {
       if (std::ranges::any_of(one,
                               [&](std::uint32_t v) { return std::ranges::find(other, v) != other.end(); }))
         continue;
-      if (!pass_through(corners(a.triangle), corners(b.triangle))) continue;
+      const Meeting meeting = meeting_of(corners(a.triangle), corners(b.triangle));
+      const bool passes =
+          meeting.through ||
+          (meeting.edge_of_first && edges.passes(mesh, a.triangle, *meeting.edge_of_first, b.triangle)) ||
+          (meeting.edge_of_second && edges.passes(mesh, b.triangle, *meeting.edge_of_second, a.triangle));
+      if (!passes) continue;
       if (faults.intersections == 0) faults.intersection_at = corners(a.triangle)[0];
       if (++faults.intersections == most_intersections) return;
     }

@@ -9,6 +9,7 @@
 
 #include "common/geometry/triangle_tree.hpp"
 #include "launch/mesh_import/mesh_facts.hpp"
+#include "launch/mesh_tools/closed_parts.hpp"
 
 namespace tandem::launch {
 namespace mesh_repair {
@@ -251,14 +252,11 @@ class Repair {
     for (std::size_t i = 0; i < loop.size(); ++i) add(loop[i], loop[(i + 1) % loop.size()], centre);
   }
 
-  // Closed parts enclose a positive volume. A part inside another one may be a cavity: it stays as the file
-  // has it.
   void point_outwards() {
-    if (parts_ != 1) return;
-    const std::optional<double> volume = facts_of(mesh_).volume;
-    if (!volume || *volume > 0) return;
-    for (Corners& t : mesh_.triangles) std::swap(t[1], t[2]);
-    done_.emplace_back("all triangles turned outwards");
+    const TurnedParts turned = turn_outwards(mesh_, part_);
+    say(turned.outwards,
+        turned.outwards == 1 ? "closed part turned outwards" : "closed parts turned outwards");
+    say(turned.inwards, turned.inwards == 1 ? "cavity turned inwards" : "cavities turned inwards");
   }
 
   TriangleMesh mesh_;

@@ -1,5 +1,6 @@
 #include "launch/step/solid_mesh.hpp"
 
+#include <fmt/format.h>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
@@ -13,8 +14,12 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Vertex.hxx>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 
 #include "common/geometry/triangle_tree.hpp"
@@ -89,26 +94,63 @@ class JoinedNodes {
   NCollection_DataMap<TopoDS_Shape, std::size_t, TopTools_ShapeMapHasher> vertices_;
 };
 
+// Where the nodes of a face are in the parameters of its surface.
+class Parameters {
+ public:
+  Parameters(const TopoDS_Face& face, const Handle(Poly_Triangulation) & triangles, const TopLoc_Location& at)
+      : triangles_(triangles) {
+    for (TopExp_Explorer edges(face, TopAbs_EDGE); edges.More(); edges.Next()) {
+      const TopoDS_Edge edge = TopoDS::Edge(edges.Current());
+      if (!BRep_Tool::Degenerated(edge)) continue;
+      const Handle(Poly_PolygonOnTriangulation) polygon =
+          BRep_Tool::PolygonOnTriangulation(edge, triangles, at);
+      if (polygon.IsNull()) continue;
+      gp_Pnt2d begin, end;
+      BRep_Tool::UVPoints(edge, face, begin, end);
+      for (int i = 1; i <= polygon->NbNodes(); ++i) points_[polygon->Node(i)] = {begin.XY(), end.XY()};
+    }
+  }
+
+  // Of the pole of a sphere and the apex of a cone, which are one point for a whole line of parameters: those
+  // nearest to the parameters `seen_from`.
+  gp_XY of(int node, const gp_XY& seen_from) const {
+    const auto point = points_.find(node);
+    if (point == points_.end()) return of(node);
+    const auto& [begin, end] = point->second;
+    const gp_XY along = end - begin;
+    const double share = along.SquareModulus() > 0 ? (seen_from - begin) * along / along.SquareModulus() : 0;
+    return begin + along * std::clamp(share, 0.0, 1.0);
+  }
+  gp_XY of(int node) const { return triangles_->UVNode(node).XY(); }
+
+ private:
+  Handle(Poly_Triangulation) triangles_;
+  std::map<int, std::pair<gp_XY, gp_XY>> points_;  // nodes on edges of one point, and the ends of the line
+};
+
 // Largest distance from the surface, at the middle of a triangle and of its sides in the parameters of the
 // surface, to the triangle [m].
 double deviation_of(const TopoDS_Face& face, const Handle(Poly_Triangulation) & triangles,
                     const TopLoc_Location& at) {
   const BRepAdaptor_Surface surface(face);
   if (surface.GetType() == GeomAbs_Plane || !triangles->HasUVNodes()) return 0;
+  const Parameters parameters(face, triangles, at);
   const auto vector = [](const gp_XYZ& p) { return Vec3d{p.X(), p.Y(), p.Z()}; };
   double worst = 0;
   for (int t = 1; t <= triangles->NbTriangles(); ++t) {
     std::array<int, 3> node{};
     triangles->Triangle(t).Get(node[0], node[1], node[2]);
     std::array<Vec3d, 3> corner;
-    std::array<gp_XY, 3> uv;
-    for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t i = 0; i < 3; ++i)
       corner[i] = vector(triangles->Node(node[i]).Transformed(at.Transformation()).XYZ());
-      uv[i] = triangles->UVNode(node[i]).XY();
+    std::array<gp_XY, 4> middle;  // of the triangle, and of its sides
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int a = node[i], b = node[(i + 1) % 3], c = node[(i + 2) % 3];
+      middle[0] += parameters.of(a, (parameters.of(b) + parameters.of(c)) / 2.0) / 3.0;
+      middle[i + 1] = (parameters.of(a, parameters.of(b)) + parameters.of(b, parameters.of(a))) / 2.0;
     }
-    for (const gp_XY& middle : {(uv[0] + uv[1] + uv[2]) / 3.0, (uv[0] + uv[1]) / 2.0, (uv[1] + uv[2]) / 2.0,
-                                (uv[2] + uv[0]) / 2.0}) {
-      const Vec3d x = vector(surface.Value(middle.X(), middle.Y()).XYZ());
+    for (const gp_XY& uv : middle) {
+      const Vec3d x = vector(surface.Value(uv.X(), uv.Y()).XYZ());
       worst = std::max(worst, norm(x - nearest_point(corner[0], corner[1], corner[2], x)));
     }
   }
@@ -172,16 +214,27 @@ SolidMesh triangles_of(const TopoDS_Shape& shape) {
 
 SolidMesh mesh_of_solids(const TopoDS_Shape& shape, double deviation) {
   // OpenCASCADE takes its deflection as a target, not as a bound.
-  double deflection = deviation / metres;
+  double deflection = deviation / metres, least = std::numeric_limits<double>::infinity();
   constexpr double angle = 0.5;  // between neighbouring triangles [rad]
   for (int attempt = 0; attempt < 6; ++attempt, deflection *= 0.6) {
     BRepTools::Clean(shape);
     BRepMesh_IncrementalMesh(shape, deflection, false, angle, false);
     SolidMesh result = triangles_of(shape);
-    if (result.deviation <= deviation && degenerate_triangles(result.mesh).empty()) return result;
+    const bool is_sound = degenerate_triangles(result.mesh).empty();
+    if (result.deviation <= deviation && is_sound) return result;
+    if (is_sound) least = std::min(least, result.deviation);
   }
-  throw Refusal("gets no mesh within a deviation of " + std::to_string(deviation) + " m",
-                "give another --deviation");
+  // The edges of a file may be beside its faces, by what the CAD program tolerates.
+  if (std::isfinite(least))
+    throw Refusal(
+        fmt::format("gets no mesh within a deviation of {:.3g} m: the least that was reached is {:.3g} m",
+                    deviation, least),
+        "give a larger --deviation");
+  throw Refusal(
+      fmt::format("gets no mesh within a deviation of {:.3g} m: it has triangles without area in the "
+                  "single precision of an STL file",
+                  deviation),
+      "give another --deviation, or leave it out");
 }
 
 }  // namespace tandem::step

@@ -53,7 +53,8 @@ Json facts_of_product(const TopoDS_Shape& shape, std::optional<double> deviation
   GProp_GProps properties;
   for (TopExp_Explorer each(shape, TopAbs_SOLID); each.More(); each.Next(), ++solids) {
     GProp_GProps solid;
-    BRepGProp::VolumeProperties(each.Current(), solid);
+    // Without an error that it keeps, OpenCASCADE integrates over curved faces by a fixed number of points.
+    BRepGProp::VolumeProperties(each.Current(), solid, 1e-10);
     if (!(solid.Mass() > 0))
       throw Refusal("has a solid that encloses no volume: it is open, or inside out",
                     "repair it in the CAD program");

@@ -35,6 +35,8 @@ std::string positive_length(const std::string& text) {
 // A volume needs a closed surface.
 std::string change_of_volume(const MeshFacts& before, const MeshFacts& after) {
   if (!after.volume) return "no volume: the surface is not closed";
+  if (before.volume && *before.volume <= 0)
+    return fmt::format("{:.9g} m3, {:.9g} m3 before", *after.volume, *before.volume);
   if (!before.volume) return fmt::format("{:.9g} m3, of an open surface before", *after.volume);
   return fmt::format("{:.9g} m3, {:+.3g} of it", *after.volume,
                      (*after.volume - *before.volume) / *before.volume);
@@ -67,7 +69,8 @@ void require_output(const MeshOptions& options) {
                 "give one that ends in .stl");
 }
 
-void repair(const MeshOptions& options) {
+// 1 where faults are left, other than openings that --fill left.
+int repair(const MeshOptions& options) {
   require_output(options);
   const TriangleMesh mesh = read_raw_mesh(options.file, options.scale);
   const RepairedMesh result = repaired(mesh, options.repair);
@@ -76,7 +79,9 @@ void repair(const MeshOptions& options) {
   if (result.done.empty()) fmt::print("  nothing to repair\n");
   write(options, mesh, result.mesh, result.deviation);
   const MeshFaults left = faults_of(result.mesh);
-  if (!left.is_sound()) fmt::print("what is left:\n{}", report_of(left, options.output.string()));
+  if (left.is_sound()) return 0;
+  fmt::print("what is left:\n{}", report_of(left, options.output.string()));
+  return options.repair.fill && left.is_sound_but_open() ? 0 : 1;
 }
 
 void coarsen(const MeshOptions& options) {
@@ -114,7 +119,10 @@ void add_mesh(CLI::App& app, int& status) {
                    "repair: fill openings up to this width [m]; without it all")
       ->check(mesh_verbs::positive_length);
   verb->callback([=, &status] {
-    if (options->action == "repair") return mesh_verbs::repair(*options);
+    if (options->action == "repair") {
+      status = mesh_verbs::repair(*options);
+      return;
+    }
     if (options->action == "coarsen") return mesh_verbs::coarsen(*options);
     const MeshFaults faults = faults_of(read_raw_mesh(options->file, options->scale));
     fmt::print("{}", report_of(faults, options->file.string()));

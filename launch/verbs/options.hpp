@@ -57,6 +57,17 @@ inline void add_set(CLI::App& verb, std::map<std::string, double>& set) {
       ->allow_extra_args(false);
 }
 
+// CLI::Range takes "nan", which compares as neither below nor above.
+inline CLI::Validator finite_in_range(double low, double high) {
+  return CLI::Validator(
+      [low, high](std::string& text) -> std::string {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+        return fmt::format("'{}' is no number from {} to {}", printable(shortened(text)), low, high);
+      },
+      fmt::format("FLOAT in [{} - {}]", low, high));
+}
+
 // JSON, into which the value goes, has no other numbers.
 inline void expect_finite(const std::optional<double>& seconds, const char* option) {
   if (seconds && !std::isfinite(*seconds))

@@ -127,15 +127,16 @@ void add_new(CLI::App& app) {
       ->check(CLI::IsMember({"mbd", "dem", "sph"}));
   verb->add_option(
       "--template", *scene_template,
-      "Scene to start from: hopper, round_hopper, conveyor, chute, tank, mixer, bucket or linkage");
+      "Scene to start from: hopper, round_hopper, conveyor, screw, chute, tank, mixer, bucket or linkage");
   verb->add_option("--out", wanted->folder,
                    "New folder of a participant, new file of a scene; without it one with the name, here");
   verb->callback([=] {
     if (*kind == "scene") {
       if (scene_template->empty())
-        throw Error(ErrorCode::usage, "is required", "--template",
-                    "write tandem new scene --template hopper, round_hopper, conveyor, chute, tank, mixer, "
-                    "bucket or linkage");
+        throw Error(
+            ErrorCode::usage, "is required", "--template",
+            "write tandem new scene --template hopper, round_hopper, conveyor, screw, chute, tank, mixer, "
+            "bucket or linkage");
       std::vector<std::string> words{"--template=" + *scene_template};
       if (!wanted->name.empty()) words.push_back(wanted->name);
       if (!wanted->folder.empty()) words.push_back("--out=" + wanted->folder.string());

@@ -18,7 +18,7 @@ void add_movie(CLI::App& app) {
   verb->add_option("run", *folder, "Folder of the run, its --out")->required();
   verb->add_option("-o,--output", options->out, "Film (MP4); without it RUN/movie.mp4");
   verb->add_option("--fps", options->frames_per_second, "Frames per second of the film")
-      ->check(CLI::Range(0.1, 240.0))
+      ->check(finite_in_range(0.1, 240.0))
       ->capture_default_str();
   verb->add_option("--size", *size, "Width and height [pixels]")->capture_default_str();
   verb->add_option("--colour-by", options->colour_by,
@@ -59,7 +59,7 @@ void add_stop(CLI::App& app) {
   auto patience = std::make_shared<double>(60);  // [s]
   verb->add_option("run", *run, "Pid or folder of the run")->required();
   verb->add_option("--patience", *patience, "Longest wait for its end [s]")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(finite_in_range(0.0, 1e6))
       ->capture_default_str();
   verb->callback([=] { stop_run(*run, std::chrono::milliseconds(std::llround(1e3 * *patience))); });
 }

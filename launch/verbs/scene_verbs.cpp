@@ -187,7 +187,7 @@ void add_import(CLI::App& app) {
       ->check(length_fault);
   verb->add_flag("--joints", options->joints, "STEP: write the proposed joints into the scene");
   verb->add_option("--least-confidence", options->least_confidence, "STEP: of the joints that are written")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(finite_in_range(0.0, 1.0))
       ->capture_default_str();
   verb->callback([=] {
     if (!stops->empty()) options->stops = StopStiffness{stops->at(0), stops->at(1)};

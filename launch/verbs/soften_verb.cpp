@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "launch/verbs/options.hpp"
 #include "launch/verbs/python_module.hpp"
 #include "launch/verbs/verbs.hpp"
 
@@ -62,7 +63,7 @@ void add_run_options(CLI::App& verb, SoftenWords& words) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   verb.add_option("--limit", words.limit, "Longest wall time of a run [s], 0: none")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(finite_in_range(0.0, 1e9))
       ->capture_default_str();
   verb.add_option("--backend", words.backend, "Where particles are computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
@@ -90,7 +91,7 @@ void add_soften(CLI::App& app) {
       ->check(CLI::Range(1, 99))
       ->capture_default_str();
   verb->add_option("--overlap", words->overlap, "Largest overlap relative to the smaller radius")
-      ->check(CLI::Range(1e-9, 1.0))
+      ->check(finite_in_range(1e-9, 1.0))
       ->capture_default_str();
   verb->add_option("--most", words->most, "Settings that are run at most")
       ->check(CLI::Range(2, 10000))

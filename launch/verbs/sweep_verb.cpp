@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "launch/verbs/options.hpp"
 #include "launch/verbs/python_module.hpp"
 #include "launch/verbs/verbs.hpp"
 
@@ -63,7 +64,7 @@ void add_sweep(CLI::App& app) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   verb->add_option("--limit", words->limit, "Longest wall time of a run [s], 0: none")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(finite_in_range(0.0, 1e9))
       ->capture_default_str();
   verb->add_option("--backend", words->backend, "Where particles are computed")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}));

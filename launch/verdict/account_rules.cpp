@@ -184,8 +184,8 @@ void add_account_rules(std::vector<Rule>& table) {
   table.push_back(
       {"contact_load", "unloaded_walls[].spheres", 0,
        "where a sphere overlaps a plane or a face of a box by more than 0.1 % of its radius and approaches "
-       "it, "
-       "every contact law has a force; where the load of that body is zero in a frame, it is recorded "
+       "it, and did so two micro steps before, every contact law has a force; where the load of that body is "
+       "zero in a frame, it is recorded "
        "elsewhere",
        "a participant that records the load of each wall on its body", nullptr,
        [](const RunFigures& run) -> Figures {

@@ -169,9 +169,10 @@ struct ContactPlacer {
     }
     s.kind = ContactShape::Kind::mesh;
     std::vector<Vector3d> vertices, in_file;
+    const Vector3d unit = to_eigen(scene::units_of(shape.geometry));
     for (const Vec3d& p : mesh.vertices) {
       vertices.push_back(local(to_eigen(p)));
-      in_file.push_back(to_eigen(p) / scene::scale_of(shape.geometry));
+      in_file.push_back(to_eigen(p).cwiseQuotient(unit));
     }
     s.mesh = std::make_shared<ContactMesh>(vertices, in_file, mesh.triangles, shape.path + ".shape");
     s.centre = s.mesh->centre();

@@ -1,5 +1,6 @@
 """The JSON objects of a scene, which know the line of Python that made them, and the errors that name it."""
 import difflib
+import math
 import pathlib
 import sys
 from typing import Any, Iterable, Optional
@@ -51,6 +52,8 @@ class Entry(dict):
 
 def plain(value: Any) -> Any:
     """The JSON that a value stands for: objects of a scene by their name, tuples, ranges and arrays as lists."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise SceneError(f"{value!r} is no finite number", hint="a scene has no other numbers")
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if hasattr(value, "as_json"):
@@ -60,7 +63,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {str(key): plain(part) for key, part in value.items()}
     if hasattr(value, "tolist"):
-        return value.tolist()
+        return plain(value.tolist())
     if isinstance(value, (list, tuple, range)):
         return [plain(part) for part in value]
     if isinstance(value, pathlib.PurePath):

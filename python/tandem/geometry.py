@@ -50,6 +50,13 @@ def transformed_mesh(file: str, matrix, about) -> str:
     triangles = about + (read_triangles(file) - about) @ np.asarray(matrix).T
     if np.linalg.det(matrix) < 0:
         triangles = triangles[:, ::-1]
+    return cached_mesh(pathlib.Path(file).stem.split("-")[0], triangles)
+
+
+def cached_mesh(name: str, triangles) -> str:
+    """A file of these triangles in the cache of tandem."""
+    import numpy as np
+    triangles = np.asarray(triangles, float)
     digest = hashlib.sha256(np.ascontiguousarray(triangles).tobytes()).hexdigest()[:16]
     base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     folder = pathlib.Path(base) / "tandem" / "meshes"
@@ -58,7 +65,7 @@ def transformed_mesh(file: str, matrix, about) -> str:
     except OSError:
         folder = pathlib.Path(tempfile.gettempdir()) / f"tandem-meshes-{os.getuid()}"
         folder.mkdir(mode=0o700, exist_ok=True)
-    target = folder / f"{pathlib.Path(file).stem.split('-')[0]}-{digest}.stl"
+    target = folder / f"{name}-{digest}.stl"
     if not target.exists():
         draft = target.with_suffix(f".{os.getpid()}.part")
         write_stl(draft, triangles)
@@ -83,11 +90,17 @@ def volume(shape: dict) -> Optional[float]:
             return pi * shape["height"] * (a * a + a * b + b * b) / 3
         if kind == "mesh":
             import numpy as np
-            a, b, c = np.moveaxis(read_triangles(shape["file"]) * shape.get("scale", 1), 1, 0)
+            a, b, c = np.moveaxis(read_triangles(shape["file"]) * units_of(shape), 1, 0)
             return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, ValueError):
         return None
     return None
+
+
+def units_of(shape: dict):
+    """Length of a unit of the mesh file along each of its axes [m]."""
+    import numpy as np
+    return float(shape.get("scale") or 1) * np.array(shape.get("stretch") or (1, 1, 1), float)
 
 
 def corners(shape: dict):
@@ -96,7 +109,7 @@ def corners(shape: dict):
     kind = shape.get("type")
     try:
         if kind == "mesh" or (kind == "convex_hull" and "file" in shape):
-            return read_triangles(shape["file"]).reshape(-1, 3) * float(shape.get("scale", 1))
+            return read_triangles(shape["file"]).reshape(-1, 3) * units_of(shape)
         if kind == "convex_hull":
             return np.array(shape["points"], float)
         if kind == "box":

@@ -39,7 +39,7 @@ class Machine:
                 solid = geometry.volume(found)
                 if not solid or not isinstance(mass, (int, float)):
                     raise SceneError("the density does not follow from mass and shape", where, "give density=, or inertia=", made_at)
-                density = mass / solid
+                density = float(f"{mass / solid:.15g}")  # 2 kg in 0.0025 m3 read as 800 kg/m3
             elif inertia is None and density is None:
                 raise SceneError("has a shape, but no mass", where, "give density= or mass=", made_at)
             shapes = [Entry({"name": name, "use": "graphics", "shape": found}, made_at=made_at)]

@@ -1,4 +1,5 @@
 """What is shown while a run is in progress, and what notebooks show of it."""
+import base64
 import html
 import pathlib
 import sys
@@ -23,6 +24,16 @@ class Picture:
 
     def _repr_png_(self) -> bytes:
         return self.path.read_bytes()
+
+
+def image_html(data: bytes) -> str:
+    """A picture beside words: of an object with both, notebooks show the HTML only."""
+    return f'<img src="data:image/png;base64,{base64.b64encode(data).decode()}" style="max-width:100%">'
+
+
+def text_html(text: str) -> str:
+    """Text whose columns stay aligned, whatever the style of the notebook."""
+    return f'<pre style="font-family:monospace;line-height:1.3">{html.escape(text)}</pre>'
 
 
 def _text(run) -> str:

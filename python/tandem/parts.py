@@ -166,9 +166,9 @@ class Body(Part):
             shape, frame = part["shape"], geometry.rotation(part.get("orientation"))
             here = np.array(part.get("position", [0, 0, 0]), float)
             if shape["type"] == "mesh":
-                unit = float(shape.get("scale", 1))
-                local = frame.T @ matrix @ frame
-                shape["file"] = geometry.transformed_mesh(shape["file"], local, frame.T @ (point - here) / unit)
+                unit = geometry.units_of(shape)
+                local = (frame.T @ matrix @ frame) * unit / unit[:, None]  # in units of the file
+                shape["file"] = geometry.transformed_mesh(shape["file"], local, (frame.T @ (point - here)) / unit)
             else:
                 part["position"] = plain(point + matrix @ (here - point))
                 if what == "rotate":

@@ -19,8 +19,15 @@ def figure(rows: int, width: float = 7.5, height: float = 2.4, columns: int = 1)
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+
+    class Chart(Figure):
+        """A figure that notebooks show without %matplotlib."""
+
+        def _repr_png_(self) -> bytes:
+            return png(self)
+
     with matplotlib.rc_context(STYLE):
-        made = Figure(figsize=(width * columns, 0.6 + height * rows), layout="constrained")
+        made = Chart(figsize=(width * columns, 0.6 + height * rows), layout="constrained")
         FigureCanvasAgg(made)
         axes = made.subplots(rows, columns, squeeze=False)
     return made, axes
@@ -46,7 +53,7 @@ def chart(signals: List[Signal], file: Optional[str] = None, title: str = "", st
             axis.tick_params(labelbottom=False)
     axes[-1, 0].set_xlabel("time [s]")
     if title:
-        axes[0, 0].set_title(title + (f" ({status})" if status not in ("", "ok") else ""))
+        axes[0, 0].set_title(title + (f" ({status})" if status not in ("", "ok") else ""), loc="left", fontsize=10, fontweight="bold")
     if file:
         made.savefig(file, dpi=150)
     return made

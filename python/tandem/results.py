@@ -295,12 +295,11 @@ class Results:
 
     def _repr_html_(self) -> str:
         import html
+
+        from tandem.notebook import image_html
         colour = {"ok": "#3f8f5f", "suspect": "#b7791f"}.get(str(self.verdict), "#b03a3a")
         rows = "".join(f"<tr><td>{html.escape(str(c.get('name')))}</td><td>{c.get('value')}</td><td>{c.get('expected')}</td></tr>" for c in self.checks)
         table = f"<table><tr><th>check</th><th>value</th><th>expected</th></tr>{rows}</table>" if rows else ""
         lines = "".join(f"<li>{html.escape(str(line))}</li>" for line in self.verdict.lines)
-        return f'<p style="color:{colour}"><b>{html.escape(str(self.verdict))}</b></p><p>{html.escape(repr(self))}</p><ul>{lines}</ul>{table}'
-
-    def _repr_png_(self) -> Optional[bytes]:
-        file = self.folder / "picture.png"
-        return file.read_bytes() if file.is_file() else None
+        return f'<p style="color:{colour}"><b>{html.escape(str(self.verdict))}</b></p><p>{html.escape(repr(self))}</p><ul>{lines}</ul>{table}' + (
+            image_html(file.read_bytes()) if (file := self.folder / "picture.png").is_file() else "")

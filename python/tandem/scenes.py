@@ -254,7 +254,7 @@ class Scene(Machine, Grains, Execution):
         data = copy.deepcopy(self.complete())
         if folder is not None:
             root = os.path.abspath(folder)
-            for entry, key in _files(data):
+            for entry, key in files_of(data):
                 path = os.path.relpath(entry[key], root)
                 if not path.startswith(".."):
                     entry[key] = path
@@ -264,7 +264,8 @@ class Scene(Machine, Grains, Execution):
         return self.json(os.getcwd())
 
     def __repr__(self) -> str:
-        return f"<Scene {self.name}: {len(self.entries('mbd.bodies'))} bodies, {len(self.entries('dem.particles'))} groups of spheres>"
+        bodies, groups = len(self.entries("mbd.bodies")), len(self.entries("dem.particles"))
+        return f"<Scene {self.name}: {bodies} bod{'y' if bodies == 1 else 'ies'}, {groups} group{'' if groups == 1 else 's'} of spheres>"
 
     def save(self, file: str) -> None:
         """Writes the scene as a file for the command `tandem`."""
@@ -273,10 +274,12 @@ class Scene(Machine, Grains, Execution):
 
     def _repr_html_(self) -> str:
         import html
-        return f"<details open><summary>{html.escape(repr(self))}</summary><pre>{html.escape(str(self))}</pre></details>"
+
+        from tandem.notebook import text_html
+        return f"<details open><summary>{html.escape(repr(self))}</summary>{text_html(str(self))}</details>"
 
 
-def _files(value: Any):
+def files_of(value: Any):
     """(object, key) of all names of files in a scene."""
     if isinstance(value, dict):
         for key, part in value.items():
@@ -284,10 +287,10 @@ def _files(value: Any):
                     key == "file" or (key == "folder" and value.get("type") == "run")):
                 yield value, key
             else:
-                yield from _files(part)
+                yield from files_of(part)
     elif isinstance(value, list):
         for part in value:
-            yield from _files(part)
+            yield from files_of(part)
 
 
 def load(file: str, **parameters: float) -> Scene:
@@ -302,7 +305,7 @@ def load(file: str, **parameters: float) -> Scene:
         raise SceneError(f"is no JSON: {error}", str(file)) from None
     if not isinstance(data, dict) or "tandem" not in data:
         raise SceneError("is no scene: it has no key 'tandem'", str(file))
-    for entry, key in _files(data):
+    for entry, key in files_of(data):
         entry[key] = os.path.abspath(path.resolve().parent / entry[key])
     for solver in ("mbd", "dem", "sph"):
         command = data.get(solver, {}).get("server") if isinstance(data.get(solver), dict) else None

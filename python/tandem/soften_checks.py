@@ -1,5 +1,6 @@
 """What `tandem soften` refuses before anything runs."""
 import math
+import re
 from typing import Any, Dict, Sequence
 
 from tandem import soften_scene as changes
@@ -31,6 +32,24 @@ def expect_results(names: Sequence[Any], end_time: float) -> None:
         if not isinstance(name, str):
             raise SceneError(f"{name!r} is no name of a result", "--of", "for instance of=[\"hinge.q\"]")
         expect_reduction(name, end_time)
+
+
+def expect_summary_keys(scene: Scene, names: Sequence[str]) -> None:
+    """summary.json of the scene will have these keys; some of them only at the end of a whole run."""
+    keys = [name for name in names if name.startswith("summary.")]
+    if not keys:
+        return
+    asked = scene.copy()
+    asked.data.pop("checks", None)
+    for number, key in enumerate(keys):
+        asked.expect(f"key_{number}", key, 0, 1, absolute=True)
+    try:
+        asked.check(files_only=True)
+    except SceneError as error:
+        where = re.match(r"checks\[(\d+)\]\.of: (.*)", error.what)
+        if not where:
+            raise
+        raise SceneError(where[2], f"--of {keys[int(where[1])]}", made_at="the command line") from None
 
 
 def expect_numbers(levels: Dict[str, Any], overlap: Any) -> None:

@@ -6,6 +6,7 @@ from typing import List, Optional
 from tandem.entries import SceneError, nearest
 from tandem.scenes import Scene, load
 from tandem.softening import soften
+from tandem.sweep_command import finite
 
 
 def numbers(text: Optional[str], option: str) -> List[float]:
@@ -25,7 +26,7 @@ def scene_of(file: str, given: List[str]) -> Scene:
         if name not in known:
             raise SceneError(f"{file} has no parameter '{name}'" + nearest(name, known), "--set", made_at="the command line")
         try:
-            scene.set(**{name: float(value)})
+            scene.set(**{name: finite(value)})
         except ValueError:
             raise SceneError(f"'{text}' gives no value", "--set", "write NAME=NUMBER", made_at="the command line") from None
     return scene

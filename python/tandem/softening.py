@@ -12,7 +12,7 @@ from tandem.soften_errors import Measure, error_of_text
 from tandem.soften_folder import Folder
 from tandem.soften_search import MODULUS, STEP, WINDOW, Outcome, Point, Search
 from tandem.soften_words import doubts, percent, reading, shortened, stiff_mark, table
-from tandem.sweeps import Row, sweep
+from tandem.sweeps import Row, expect_limit, sweep
 
 AXES = {MODULUS: "modulus", STEP: "micro step", WINDOW: "window"}
 
@@ -82,6 +82,7 @@ def soften(scene: Scene, error: Union[float, str], of: Union[str, Sequence[str]]
     modulus  divisors to try;  step  shares of the critical time to try;  window  windows to try [s]; by default twice as large each
     file     of the softened scene, NAME_soft.json in the folder by default
     most     settings that are run at most;  jobs, threads, out, limit, backend, retry  as of sweep()"""
+    expect_limit(limit)
     checks.expect_numbers({"modulus": modulus, "step": step, "window": window}, overlap)
     work = _Work(scene, error_of_text(str(error)), [of] if isinstance(of, str) else list(of), starts, overlap, window, out, file, progress,
                  dict(jobs=jobs, threads=threads, limit=limit, backend=backend, retry=retry, progress=False, timed=True))
@@ -141,6 +142,7 @@ class _Work:
             short.section("output")["frame_interval"] = 0
             short.data.pop("checks", None)
             return short
+        checks.expect_summary_keys(self.scene, [measure.of for measure in self.found.measures])
         row = self._swept(first_window, probe=[1])[0]
         if row.status not in ("ok", "suspect"):
             raise SceneError(f"the scene does not run: {row.reason}", self.scene.name)

@@ -1,5 +1,6 @@
 """The command `tandem sweep`."""
 import argparse
+import math
 import pathlib
 import re
 import sys
@@ -8,6 +9,14 @@ from typing import Dict, List, Optional
 from tandem.entries import SceneError, nearest
 from tandem.scenes import load
 from tandem.sweeps import sweep
+
+
+def finite(word: str) -> float:
+    """A number that a parameter can have."""
+    value = float(word)
+    if not math.isfinite(value):
+        raise ValueError
+    return value
 
 
 def values_of(text: str) -> "tuple[str, List[float]]":
@@ -21,9 +30,9 @@ def values_of(text: str) -> "tuple[str, List[float]]":
             n = int(count)
             if n < 2:
                 raise ValueError
-            a, b = float(first), float(last)
+            a, b = finite(first), finite(last)
             return name, [float(f"{a + (b - a) * i / (n - 1):.12g}") for i in range(n)]
-        return name, [float(word) for word in given.split(",")]
+        return name, [finite(word) for word in given.split(",")]
     except ValueError:
         raise SceneError(f"'{text}' gives no parameter values", "--set", "write NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE, as in --set "
                          "mouth=0.05:0.08:4", made_at="the command line") from None

@@ -114,12 +114,9 @@ class Sweep:
         return response(self, file)
 
     def _repr_html_(self) -> str:
-        import html
-        return f"<pre>{html.escape(self.table())}</pre>"
-
-    def _repr_png_(self) -> bytes:
+        from tandem.notebook import image_html, text_html
         from tandem.plots import png
-        return png(self.picture())
+        return text_html(self.table()) + (image_html(png(self.picture())) if any(row.scores for row in self.rows) else "")
 
 
 def _text(value: Any) -> str:
@@ -145,6 +142,7 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
     share     "2/5": only the second of five parts, for an array job; another call without it collects
 
     A variant that fails, is suspect or cannot be built is marked in the table, and does not stop the others."""
+    expect_limit(limit)
     names = list(values)
     if not names:
         raise SceneError("a sweep needs values of at least one parameter", hint="for instance td.sweep(s, mouth=[0.05, 0.06])")
@@ -168,6 +166,12 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
     part, parts = (int(word) for word in share.split("/")) if share else (1, 1)
     work.do([row for i, row in enumerate(rows) if i % parts == (part - 1) % parts])
     return work.sweep
+
+
+def expect_limit(limit: Optional[float]) -> None:
+    """Refuses a wall time that a run cannot have."""
+    if limit is not None and not (isinstance(limit, (int, float)) and math.isfinite(limit) and limit > 0):
+        raise SceneError(f"{limit!r} is no wall time of a run", "limit", "write a finite number of seconds above 0, or leave it out for none")
 
 
 def _claim(folder: pathlib.Path, names: List[str]) -> None:

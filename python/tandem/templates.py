@@ -2,13 +2,16 @@
 
 `tandem new scene --template hopper` writes the same as a file. Each function returns a tandem.Scene that runs as it comes."""
 import pathlib
+import re
+import shutil
 import sys
 from typing import List, Optional
 
 from tandem.entries import SceneError, nearest
-from tandem.scenes import Scene
+from tandem.geometry import cached_mesh
+from tandem.scenes import Scene, files_of
 
-__all__ = ["hopper", "round_hopper", "conveyor", "chute", "tank", "mixer", "bucket", "linkage"]
+__all__ = ["hopper", "round_hopper", "conveyor", "screw", "chute", "tank", "mixer", "bucket", "linkage"]
 
 
 # Units of sizes and amounts, which are not negative.
@@ -16,8 +19,9 @@ _AMOUNTS = ("m", "kg", "kg/s", "kg/m3", "Pa")
 
 
 def _parameters(s: Scene, **keys) -> None:
-    for name, (value, unit) in keys.items():
-        s.parameter(name, value, unit=unit, min=0 if unit in _AMOUNTS else None)
+    """Value and unit of each, and what it may be at most."""
+    for name, (value, unit, *most) in keys.items():
+        s.parameter(name, value, unit=unit, min=0 if unit in _AMOUNTS else None, max=most[0] if most else None)
 
 
 def _material(s: Scene, radius: float, density: float = 2500, friction: float = 0.4):
@@ -36,7 +40,7 @@ def hopper() -> Scene:
     mouth (of the slot), width (of the bin), rise (height of the two plates), depth, height (of the fill above the plates); radius, friction,
     density, young of the grains. Result: mouth.flow, mouth.passed."""
     s = Scene("hopper", end_time=1, window=2e-3, frame_interval=.05, description="Grains run through the slot of a hopper.")
-    _parameters(s, mouth=(.05, "m"), width=(.17, "m"), rise=(.1, "m"), depth=(.08, "m"), height=(.15, "m"))
+    _parameters(s, mouth=(.05, "m", "=0.95*width"), width=(.17, "m"), rise=(.1, "m"), depth=(.08, "m"), height=(.15, "m"))
     grain = _material(s, .006)
     for side, sign, heights in (("left", "-", ["=rise", 0]), ("right", "", [0, "=rise"])):
         s.wall(side, shape={"type": "height_field", "size": ["=(width - mouth)/2", "=depth"], "heights": [heights, heights]},
@@ -54,7 +58,7 @@ def round_hopper() -> Scene:
     mouth, diameter (of the bin), rise (height of the cone), height (of the fill above the cone); radius, friction, density, young of the grains.
     Result: mouth.flow, mouth.passed."""
     s = Scene("round_hopper", end_time=1, window=2e-3, frame_interval=.05, description="Grains run out of a cone.")
-    _parameters(s, mouth=(.06, "m"), diameter=(.16, "m"), rise=(.07, "m"), height=(.1, "m"))
+    _parameters(s, mouth=(.06, "m", "=0.95*diameter"), diameter=(.16, "m"), rise=(.07, "m"), height=(.1, "m"))
     grain = _material(s, .006)
     s.wall("cone", cone=("=mouth/2", "=diameter/2", "=rise"), at=(0, 0, "=rise/2"), open=["+z", "-z"], material=grain)
     s.wall("bin", cylinder=("=diameter/2", "=1.2*height"), at=(0, 0, "=rise + 0.6*height"), open=["+z", "-z"], material=grain)
@@ -88,6 +92,69 @@ def conveyor() -> Scene:
     s.outlet("below", below="=-0.3")
     s.domain((-.2, "=-width", -.4), ("=length + 1", "=width", "=skirt + 12*radius"))
     return s
+
+
+def screw() -> Scene:
+    """A screw that a motor turns in a trough moves grains from an inlet to the open end.
+
+    diameter, pitch (of the flight, which has three turns), shaft (its diameter, a fifth of that of the flight or more), gap (between flight and
+    trough), speed (of the shaft), rate (mass per time); radius, friction, density, young. Results: end.flow, motor.torque, motor.power."""
+    s = Scene("screw", end_time=3.5, window=1e-3, frame_interval=.05, description="A screw moves grains along a trough.")
+    _parameters(s, diameter=(.2, "m"), pitch=(.16, "m"), shaft=(.05, "m", "=0.8*diameter"), gap=(.004, "m"), speed=(12, "rad/s"), rate=(1.5, "kg/s"))
+    grain = _material(s, .008)
+    turns = 3
+    tube = "(diameter + 2*gap)"
+    tool = s.body("screw", mass=4, inertia=(.02, .1, .1), at=(f"={turns}*pitch/2", 0, 0))
+    start = (f"=-{turns}*pitch/2", 0, 0)  # of the flight, in the frame of the body
+    tool.wall(grain, "flight", shape={"type": "mesh", "file": _flight(turns), "stretch": ["=pitch", "=diameter", "=diameter"]}, at=start)
+    tool.wall(grain, "core", shape={"type": "cylinder", "radius": "=shaft/2", "height": f"={turns}*pitch"}, orientation={"axis": [0, 1, 0], "angle_deg": 90})
+    shaft = s.revolute("shaft", "ground", tool, at=(0, 0, 0), axis="x")
+    motor = s.motor("motor", shaft, max_torque=100, gains={"proportional": 5, "integral": 20})
+    motor.speed = {"type": "ramp", "to": "=speed", "duration": .3}
+    s.wall("trough", shape={"type": "mesh", "file": _trough(turns), "stretch": ["=pitch", f"={tube}", f"={tube}"]}, material=grain)
+    s.box("tail", (.006, f"={tube}", f"=1.6*{tube}"), at=(-.004, 0, f"=0.3*{tube}"), material=grain)
+    s.inlet("feed", grain, ("=0.1*pitch + radius", "=-0.25*diameter", "=0.6*diameter"), ("=1.1*pitch + radius", "=0.25*diameter", "=0.6*diameter + 8*radius"),
+            radius=_radii(), mass_rate="=rate", velocity=(0, 0, -.5))
+    s.sensor("end", box=("=pitch", f"={tube}", f"=1.6*{tube}"), at=(f"={turns - .5}*pitch", 0, 0), flow="x")
+    s.outlet("below", below="=-1.5*diameter")
+    s.domain(("=-diameter", "=-2*diameter", "=-2*diameter"), (f"={turns + 2}*pitch", "=2*diameter", "=diameter + 12*radius"))
+    s.expect("what is fed comes out", "end.flow", "=rate", .15, reduce="mean", start=2.5, stop=3.5,
+             why="the steady flow, which this screw has after 2 s; a slower or a longer one needs a later end_time")
+    s.expect("no grain is lost", "summary.lost_particles", 0, 0, absolute=True)
+    return s
+
+
+def _flight(turns: int) -> str:
+    """The flight of a screw about x that moves grains along x when it turns about x: diameter and pitch are 1, the sheet 0.04 thick."""
+    import numpy as np
+    angles = np.linspace(0, 2 * np.pi * turns, 64 * turns + 1)
+    middle = .02 + angles / (2 * np.pi)
+    # Four edges of the sheet: at the shaft and at the rim, behind and in front.
+    inner, outer, outer_front, inner_front = (np.stack([middle + side, radius * np.cos(angles), -radius * np.sin(angles)], axis=1)
+                                              for radius, side in ((.1, -.02), (.5, -.02), (.5, .02), (.1, .02)))
+    triangles = []
+    for a, b in ((inner, outer), (outer, outer_front), (inner_front, inner)):
+        triangles += [t for k in range(len(angles) - 1) for t in ((a[k], b[k], a[k + 1]), (b[k], b[k + 1], a[k + 1]))]
+    # The front is divided along the same diagonals as the back: so the sheet is equally thick everywhere.
+    a, b = inner_front, outer_front
+    triangles += [t for k in range(len(angles) - 1) for t in ((a[k], a[k + 1], b[k]), (b[k], a[k + 1], b[k + 1]))]
+    corners = (inner, outer, outer_front, inner_front)
+    for k, order in ((0, (3, 2, 1, 0)), (-1, (0, 1, 2, 3))):
+        p, q, r, t = (corners[i][k] for i in order)
+        triangles += [(p, q, r), (p, r, t)]
+    return cached_mesh("flight", triangles)
+
+
+def _trough(turns: int) -> str:
+    """A tube about x, of diameter 1, with a slot along its top. Upright sides would make a wedge with the rim of the flight, which pulls grains in
+    where it comes down."""
+    import numpy as np
+    profile = [(.5 * np.cos(a), .5 * np.sin(a)) for a in np.radians(np.linspace(-220, 40, 53))]
+    triangles = []
+    for (y, z), (v, w) in zip(profile, profile[1:]):
+        p, q, r, t = (0, y, z), (turns, y, z), (turns, v, w), (0, v, w)
+        triangles += [(p, q, r), (p, r, t)]
+    return cached_mesh("trough", triangles)
 
 
 def chute() -> Scene:
@@ -157,7 +224,7 @@ def tank() -> Scene:
     length, width, height (of the tank), level (of the water), amplitude, frequency of the slide, spacing (of the particles).
     Results: sloshing.force, sloshing.axis_torque, gauge.level."""
     s = Scene("tank", end_time=1, window=2e-3, frame_interval=.05, description="Water in a tank that is shaken.")
-    _parameters(s, length=(.4, "m"), width=(.12, "m"), height=(.3, "m"), level=(.12, "m"), amplitude=(.02, "m"), frequency=(1, None), spacing=(.015, "m"))
+    _parameters(s, length=(.4, "m"), width=(.12, "m"), height=(.3, "m"), level=(.12, "m", "=height"), amplitude=(.02, "m"), frequency=(1, None), spacing=(.015, "m"))
     s.add("mbd.bodies", name="tank", mass=5, inertia=(.1, .1, .1), position=(0, 0, "=height/2"),
           shapes=[{"name": "case", "use": "wall", "shape": {"type": "box", "size": ["=length", "=width", "=height"], "open": ["+z"]}}])
     s.prismatic("slide", "ground", "tank", axis="x", motion={"type": "harmonic", "amplitude": "=amplitude", "frequency": "=frequency"})
@@ -198,12 +265,19 @@ def make(template: str, file: Optional[str] = None, name: Optional[str] = None) 
     """Writes a template as a new file, TEMPLATE.json by default."""
     if template not in __all__:
         raise SceneError(f"there is no template '{template}'" + nearest(template, __all__), made_at="the command line")
+    if name and not re.fullmatch("[A-Za-z0-9_-]+", name):
+        raise SceneError(f"'{name}' is no name of a scene", hint="write letters, digits, _ and -; a file is given by --out", made_at="the command line")
     scene = globals()[template]()
     if name:
         scene.name = name
     path = pathlib.Path(file or f"{scene.name}.json")
-    if path.exists():
-        raise SceneError(f"'{path}' exists", hint="give another name by --out", made_at="the command line")
+    meshes = [(entry, key, path.with_name(f"{path.stem}_{pathlib.Path(entry[key]).name.split('-')[0]}.stl")) for entry, key in files_of(scene.data)]
+    for each in (path, *(own for _, _, own in meshes)):
+        if each.exists():
+            raise SceneError(f"'{each}' exists", hint="give another name by --out", made_at="the command line")
+    for entry, key, own in meshes:
+        shutil.copyfile(entry[key], own)
+        entry[key] = str(own.resolve())
     scene.save(str(path))
     return path
 

@@ -241,7 +241,9 @@ class Softening(Case):
                               (start + ["mouth"], "'mouth' is no column; it has 'mouth."), (["--of", "mouth.flow", "--error", "x"], "'x' is no error"),
                               (start + ["mouth.flow", "--window", "0.03"], "no whole number of windows of 0.03 s"),
                               (start + ["mouth.flow", "--step", "0.6"], "above 0.4"), (start + ["mouth.flow", "--modulus", "1"], "no step up"),
-                              (start + ["mouth.flow", "--set", "muoth=1"], "did you mean 'mouth'"), (["--of", "mouth.flow"], "--error")):
+                              (start + ["mouth.flow", "--set", "muoth=1"], "did you mean 'mouth'"),
+                              (start + ["summary.lost_partikles"], "--of summary.lost_partikles: summary.json of this scene has no number 'lost_partikles' (did you mean"),
+                              (start + ["mouth.flow", "--limit", "nan"], "'nan' is no number from 0 to"), (["--of", "mouth.flow"], "--error")):
             said = self.soften(*words)
             self.assertIn(wanted, said.stderr)
             self.assertEqual(said.returncode, 2, said.stderr)
@@ -295,6 +297,23 @@ class Templates(Case):
             for parameter, keys in made.data["parameters"].items():  # each one is used
                 self.assertRegex(str(made).replace(f'"{parameter}": {{', ""), rf'"=[^"]*\b{parameter}\b', f"{name}: {parameter}")
 
+    def test_the_screw_moves_grains(self):
+        """At pitch times speed / (2 pi) at most, 0.31 m/s, and not much slower; its meshes are beside the file."""
+        said = subprocess.run([os.environ["TANDEM"], "new", "scene", "auger", "--template", "screw"], capture_output=True, text=True, check=False)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertTrue(all(pathlib.Path(f"auger_{mesh}.stl").is_file() for mesh in ("flight", "trough")))
+        s = td.load("auger.json")
+        s.end_time = .9
+        del s.data["checks"]
+        r = self.run_scene(s)
+        self.assertEqual(r.verdict, "ok")
+        spheres = r.frames[-1].spheres
+        along = spheres.position[:, 2] < -.05
+        self.assertGreater(along.sum(), 50)
+        self.assertTrue(.15 < spheres.velocity[along, 0].mean() < .31, spheres.velocity[along, 0].mean())
+        with self.assertRaisesRegex(td.SceneError, '0.17 is above .max., "=0.8\\*diameter", which is 0.16'):
+            self.run_scene(s, shaft=.17)
+
     def test_command(self):
         said = subprocess.run([os.environ["TANDEM"], "new", "scene", "rig", "--template", "linkage"], capture_output=True, text=True, check=False)
         self.assertEqual(said.returncode, 0, said.stderr)
@@ -302,7 +321,7 @@ class Templates(Case):
         self.assertEqual(r.verdict, "ok")
         self.assertAlmostEqual(r["crank_pin.rate"].last(), 3, places=2)
         for words, wanted in ((["--template", "hoper"], "no template 'hoper'; did you mean 'hopper'"), (["rig", "--template", "linkage"], "exists"),
-                              ([], "--template")):
+                              (["rig.json", "--template", "linkage"], "a file is given by --out"), ([], "--template")):
             said = subprocess.run([os.environ["TANDEM"], "new", "scene", *words], capture_output=True, text=True, check=False)
             self.assertIn(wanted, said.stderr)
             self.assertEqual(said.returncode, 2)

@@ -111,9 +111,32 @@ TEST(MaterialLibrary, WhatNoSourceHasIsRefusedByName) {
   EXPECT_THAT(unknown, HasSubstr("glass"));
   EXPECT_THAT(unknown, HasSubstr("steel"));
   EXPECT_THAT(refusal(scene_of("water", "steel", "")),
-              HasSubstr("the library has no 'young' of the liquid 'water'"));
+              HasSubstr("dem.particles[0].material: 'water' is a liquid of the library, which grains and "
+                        "their walls cannot "
+                        "be of (write it as a liquid, \"sph\": {\"liquids\": [{\"name\": \"water\", ...}]}, "
+                        "or take a solid"));
   EXPECT_THAT(refusal(scene_of("mud", "mud", R"("materials": [{"name": "mud", "density": 1500}],)")),
               HasSubstr("dem.materials[0]: the key 'young' is missing"));
+}
+
+TEST(MaterialLibrary, AMisspeltNameGetsTheNearestOne) {
+  EXPECT_THAT(
+      refusal(scene_of("glass", "stel", "")),
+      HasSubstr("dem.walls[0].material: 'stel' is no material of the scene or of the library (did you "
+                "mean 'steel'?)"));
+  EXPECT_THAT(refusal(scene_of("glas", "glas", R"("materials": [{"name": "glas"}],)")),
+              HasSubstr("dem.materials[0]: the key 'density' is missing, and 'glas' is no material of the "
+                        "library (did you mean "
+                        "'glass'? if not, add density)"));
+  EXPECT_THAT(
+      refusal(scene_of("unobtainium", "unobtainium", "")),
+      HasSubstr(
+          "'unobtainium' is no material of the scene or of the library (known materials of the library: "));
+  // The names of the scene come first, and what has all its figures may have any name.
+  const std::string gras =
+      R"("materials": [{"name": "gras", "density": 1, "young": 1e7, "poisson": 0.3, "restitution": 0.5, "friction": 0.5}],)";
+  EXPECT_EQ(refusal(scene_of("gras", "gras", gras)), "");
+  EXPECT_THAT(refusal(scene_of("gras", "grass", gras)), HasSubstr("did you mean 'gras'?"));
 }
 
 TEST(MaterialLibrary, LiquidsTakeDensityAndViscosity) {

@@ -335,6 +335,7 @@ TEST(Parse, FilesAndSingleRadius) {
   EXPECT_EQ(scene.dem->particles[0].radius_max, 0.02);
   EXPECT_EQ(std::get<FileFill>(scene.dem->particles[0].fill).file, "grains.csv");
   EXPECT_EQ(std::get<MeshShape>(scene.dem->walls[0].shape).scale, 1e-3);
+  EXPECT_EQ(std::get<MeshShape>(scene.dem->walls[0].shape).stretch, (Vec3d{1, 1, 1}));
 }
 
 TEST(Parse, RoundedDirectionsBecomeUnit) {

@@ -418,6 +418,11 @@ const WrongScene wrong_dem[] = {
      "dem.walls[3]: wall 'again' overlaps wall 'floor' on 'ground' (which of them spheres touch is left to "
      "chance: move "
      "one, or leave it out)"},
+    {"MeshStretchZero",
+     R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh", "file": "hull.stl", "stretch": [1, 0, 1]}}])",
+     "dem.walls[1].shape.stretch[1]: the value is 0 (give a number from 1e-09 to 1e+09: further factors "
+     "along "
+     "the axes of the file [-])"},
     {"MeshScaleZero",
      R"([{"op": "replace", "path": "/dem/walls/1/shape", "value": {"type": "mesh", "file": "hull.stl", "scale": 0}}])",
      "dem.walls[1].shape.scale: the value is 0 (give a number from 1e-09 to 1e+09: length in metres of one "

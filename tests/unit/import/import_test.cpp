@@ -204,7 +204,7 @@ TEST_F(Import, CollisionShapesBecomeWalls) {
                    R"(<collision><origin xyz="1 0 0"/><geometry><cylinder radius="0.1" length="2"/></geometry>
               </collision><collision><geometry><mesh filename="package://)" +
                    name +
-                   R"(/tetra.obj" scale="0.1 0.1 0.1"/></geometry></collision>
+                   R"(/tetra.obj" scale="0.1 0.2 0.05"/></geometry></collision>
               <collision><geometry><sphere radius="1"/></geometry></collision>)") +
           joint("continuous", R"(<origin rpy="0 0 1.5707963267948966"/>)"),
       options);
@@ -219,6 +219,7 @@ TEST_F(Import, CollisionShapesBecomeWalls) {
   EXPECT_EQ(walls[1]["shape"]["height"], 2.0);
   EXPECT_EQ(walls[2]["shape"]["file"], "tetra.obj");
   EXPECT_EQ(walls[2]["shape"]["scale"], 0.1);
+  expect_numbers(walls[2]["shape"]["stretch"], {1, 2, 0.5});
   EXPECT_EQ(walls[3]["shape"], (nlohmann::ordered_json{{"type", "sphere"}, {"radius", 1.0}}));
   EXPECT_THAT(it.notes, testing::IsEmpty());
 }

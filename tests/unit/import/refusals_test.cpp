@@ -125,8 +125,8 @@ TEST_F(Refusals, Shapes) {
             "m.urdf: link 'a': a.dae: the mesh format '.dae' is not supported (give an .stl or .obj file)");
   EXPECT_EQ(
       refusal(shape(R"(<mesh filename="a.stl" scale="1 1 -1"/>)"), options),
-      "m.urdf: link 'a': the mesh 'a.stl' has the scale 1 1 -1 (a scene takes one positive scale for all "
-      "directions: scale the mesh itself)");
+      "m.urdf: link 'a': the mesh 'a.stl' has the scale 1 1 -1 (a scene takes positive scales only: mirror "
+      "the mesh itself)");
   EXPECT_EQ(refusal(shape(R"(<mesh filename="package://robots/a.stl"/>)"), options),
             "m.urdf: link 'a': the mesh 'package://robots/a.stl' is not found (there is no folder 'robots' "
             "above the "

@@ -133,7 +133,7 @@ class ShapesInFiles : public testing::Test {
       {"name": "part", "mass": "from_shapes", "position": [1, 2, 3], "orientation": {"axis": [0, 0, 1], "angle_deg": 90},
        "shapes": [
         {"name": "block", "use": "graphics", "density": 500, "position": [0, 0, 1],
-         "shape": {"type": "mesh", "file": "part.stl", "scale": 2}},
+         "shape": {"type": "mesh", "file": "part.stl", "scale": 4, "stretch": [0.5, 0.5, 0.5]}},
         {"name": "roof", "use": "wall", "material": "glass", "density": 0, "position": [0, 0, 3],
          "shape": {"type": "convex_hull", "file": "part.stl"}},
         {"name": "tip", "use": "wall", "material": "glass", "density": 0, "position": [0, 0, 5],
@@ -141,7 +141,7 @@ class ShapesInFiles : public testing::Test {
       "dem": {"materials": [{"name": "glass", "density": 2500, "young": 1e7, "poisson": 0.25}],
         "pairs": [{"a": "glass", "b": "glass", "restitution": 0.5, "friction": 0.3}],
         "walls": [{"name": "side", "body": "part", "material": "glass", "position": [4, 0, 0],
-                   "shape": {"type": "mesh", "file": "part.stl"}}],
+                   "shape": {"type": "mesh", "file": "part.stl", "stretch": [1, 2, 4]}}],
         "particles": [{"name": "g", "material": "glass", "radius": 0.1,
                        "fill": {"type": "lattice", "min": [-5, -5, -5], "max": [-4, -4, -4], "spacing": 0.3}}],
         "domain": {"min": [-9, -9, -9], "max": [9, 9, 9]}}})";
@@ -167,6 +167,8 @@ TEST_F(ShapesInFiles, AreMassesWallsAndGraphics) {
   EXPECT_EQ(file.scene.dem->walls[1].pose.p_WB, (Vec3d{0, 0, 2}));
   ASSERT_EQ(file.meshes.size(), 3u);
   EXPECT_EQ(file.meshes[0].name, "side");
+  for (const Vec3d& v : file.meshes[0].mesh.vertices)
+    EXPECT_EQ((Vec3d{std::abs(v.x), std::abs(v.y), std::abs(v.z)}), (Vec3d{0.25, 0.5, 1}));
   EXPECT_EQ(file.meshes[1].name, "roof");
   EXPECT_EQ(file.meshes[1].mesh.triangles.size(), 12u);
   EXPECT_EQ(file.meshes[2].name, "tip");

@@ -28,6 +28,7 @@ scene::Scene box_over_floor(bool with_floor = true) {
 Exchange pressing_window(std::vector<std::uint32_t> loaded, Vec3d velocity = {}) {
   Exchange exchange;
   exchange.load.window = {0, {}, Nanoseconds{10'000'000}};
+  exchange.load.account.micro_steps = 100;
   protocol::BodyMotion& path = exchange.path.bodies.emplace_back();
   path.end_pose.p_WB = {1, 0, 0};
   path.end_twist.v_WB = velocity;
@@ -82,6 +83,13 @@ TEST(WallLoadWatch, OnlyContactsThatAreSureCount) {
   EXPECT_TRUE(found(pressing_frame({{0.52, 0.52, 0}}), none).empty()) << "beyond the edge of a face";
   EXPECT_TRUE(found(pressing_frame({{0, 0, -2.2}}), none).empty()) << "behind the plane";
   EXPECT_TRUE(found(pressing_frame({{0.42, 0, 0}, {-0.42, 0, 0}}), none).empty()) << "forces may cancel";
+}
+
+// The forces of the last micro step are those of its beginning.
+TEST(WallLoadWatch, ContactsThatBeginInTheLastMicroStepsHaveNoLoadYet) {
+  const auto falling = [](float speed) { return pressing_frame({{0, 0, -0.401}}, {0, 0, -speed}); };
+  EXPECT_TRUE(found(falling(10), pressing_window({})).empty()) << "1 mm, where each step has 1 mm";
+  EXPECT_FALSE(found(falling(4), pressing_window({})).empty()) << "there for two steps";
 }
 
 TEST(WallLoadWatch, AGroundWithoutWallsHasNoLoad) {

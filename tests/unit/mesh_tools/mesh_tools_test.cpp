@@ -62,7 +62,7 @@ std::vector<BadMesh> bad_meshes() {
   all.push_back({"a triangle has no area", mesh, 1, 1e-12, 1e-12, "1 triangles without area"});
   mesh = cube;
   for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
-  all.push_back({"inside out", mesh, 1, 1e-12, 1e-12, "all triangles turned outwards"});
+  all.push_back({"inside out", mesh, 1, 1e-12, 1e-12, "1 closed part turned outwards"});
   all.push_back({"corners are not joined", soup_of(cube, 1e-6), 1, 1e-5, 2e-6, "corners joined"});
   // The lower half has a corner in the middle of an edge of the upper one.
   TriangleMesh halves;
@@ -142,6 +142,67 @@ TEST(MeshCheck, FindsSelfIntersectionsAndSlivers) {
   EXPECT_TRUE(faults_of(ball).is_sound());
   const TriangleMesh sliver{{{0, 0, 0}, {1, 0, 0}, {0.5, 1e-4, 0}}, {{0, 1, 2}}};
   EXPECT_EQ(faults_of(sliver).slivers, 1u);
+}
+
+// All crossings are exactly on edges, and touching is none.
+TEST(MeshCheck, FindsTrianglesThatGoThroughEdgesOfOthers) {
+  // Across the diagonal of a square, from 0.2 to 0.8 of it, and at its ends.
+  const TriangleMesh square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  const auto blade = [](Vec3d middle, Vec3d half) {
+    return TriangleMesh{{middle - half, middle + half, middle - half + Vec3d{0, 0, 9}}, {{0, 1, 2}}};
+  };
+  EXPECT_EQ(faults_of(with(square, blade({0.5, 0.5, -0.5}, {0.3, -0.3, 0}))).intersections, 2u);
+  EXPECT_EQ(faults_of(with(square, blade({0.5, 0.5, 0}, {0.3, -0.3, 0}))).intersections, 0u);  // stands on it
+  // Cubes that are moved along a face, and along an edge, of each other.
+  EXPECT_GT(faults_of(with(cube, cube, {0.5, 0.5, 0})).intersections, 0u);
+  EXPECT_GT(faults_of(with(cube, cube, {0.5, 0.25, 0})).intersections, 0u);
+  for (const Vec3d touching : {Vec3d{1, 0, 0}, {1, 0.5, 0.5}, {1, 1, 0}, {1, 1, 1}, {1, 1, 0.5}})
+    EXPECT_EQ(faults_of(with(cube, cube, touching)).intersections, 0u) << touching.y << touching.z;
+  // A plate between two rings of a tube: one edge of the tube in its plane, triangles above and below.
+  const TriangleMesh wall{{{0.2, 0.1, 0}, {0.4, 0.1, 0}, {0.3, 0.1, 1}, {0.3, 0.1, -1}},
+                          {{0, 1, 2}, {1, 0, 3}}};
+  EXPECT_EQ(faults_of(with(square, wall)).intersections, 1u);
+  const TriangleMesh roof{{{0.2, 0.1, 0}, {0.4, 0.1, 0}, {0.3, 0.0, 1}, {0.3, 0.2, 1}},
+                          {{0, 1, 2}, {1, 0, 3}}};
+  EXPECT_EQ(faults_of(with(square, roof)).intersections, 0u);
+  // Two ridges that cross, one upside down on the other.
+  const TriangleMesh ridge{{{-1, 0, 0}, {1, 0, 0}, {0, -1, -1}, {0, 1, -1}}, {{0, 1, 2}, {1, 0, 3}}},
+      trough{{{0, -1, 0}, {0, 1, 0}, {-1, 0, 1}, {1, 0, 1}}, {{0, 1, 2}, {1, 0, 3}}};
+  EXPECT_EQ(faults_of(with(ridge, trough)).intersections, 0u);
+  EXPECT_EQ(faults_of(with(ridge, trough, {0, 0, -0.1})).intersections, 4u);
+}
+
+TriangleMesh turned(TriangleMesh mesh) {
+  for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
+  return mesh;
+}
+
+TEST(MeshRepair, EachClosedPartTurnsOutwardsButCavitiesInwards) {
+  const TriangleMesh small = box_mesh({0.4, 0.4, 0.4}), tiny = box_mesh({0.2, 0.2, 0.2});
+  struct Case {
+    TriangleMesh mesh;
+    double volume;
+    std::vector<std::string> done;
+  };
+  const double cavity = 1 - 0.064;
+  for (const Case& c :
+       {Case{with(turned(cube), turned(cube), {2, 0, 0}), 2, {"2 closed parts turned outwards"}},
+        Case{with(cube, turned(cube), {2, 0, 0}), 2, {"1 closed part turned outwards"}},
+        Case{with(cube, turned(small)), cavity, {}},
+        Case{with(turned(cube), small), cavity, {"1 closed part turned outwards", "1 cavity turned inwards"}},
+        Case{with(with(turned(cube), small), turned(tiny)),
+             cavity + 0.008,
+             {"2 closed parts turned outwards", "1 cavity turned inwards"}}}) {
+    const RepairedMesh result = repaired(c.mesh, {});
+    const MeshFaults left = faults_of(result.mesh);
+    EXPECT_EQ(result.done, c.done);
+    EXPECT_TRUE(left.is_sound()) << report_of(left, "parts");
+    EXPECT_NEAR(left.facts.volume.value_or(0), c.volume, 1e-12);
+  }
+  // A solid in a solid, or a cavity that is inside out: nobody can tell, so it is listed.
+  const MeshFaults left = faults_of(repaired(with(cube, small), {}).mesh);
+  EXPECT_FALSE(left.is_sound());
+  EXPECT_THAT(left.why_not_solid, HasSubstr("inside another one of the same winding"));
 }
 
 TEST(MeshCoarsen, StaysWithinTheStatedDeviation) {

@@ -64,6 +64,37 @@ class Meshes(unittest.TestCase):
         s.revolute("tip", arm, body, at=(.5, 0, 3), axis="y")
         return body
 
+    def test_the_flight_of_the_screw(self):
+        """Closed, of the volume of an annulus of 0.1 to 0.5 on each turn, and left-handed: where it turns about x it moves what it touches along x."""
+        shape = next(s["shape"] for s in td.templates.screw()["screw"].entry["shapes"] if s["name"] == "flight")
+        triangles = geometry.read_triangles(shape["file"])
+        edges = {}
+        for t in triangles.round(6):
+            for a, b in zip(t, np.roll(t, -1, axis=0)):
+                edges[tuple(a), tuple(b)] = edges.get((tuple(a), tuple(b)), 0) + 1
+        self.assertTrue(all(count == 1 and edges.get((b, a)) == 1 for (a, b), count in edges.items()))
+        flat = math.sin(math.tau / 64) / (math.tau / 64)  # of a circle with 64 corners
+        volume = geometry.volume({"type": "mesh", "file": shape["file"]})
+        self.assertAlmostEqual(volume / (3 * .04 * math.pi * (.5**2 - .1**2) * flat), 1, 3)
+        self.assertAlmostEqual(geometry.volume({**shape, "stretch": [.5, 2, 2]}) / volume, 2, 6)
+        # The winding is outwards, and the front turns into +x: the velocity of the surface, x times r, is along its normal there.
+        a, b, c = np.moveaxis(triangles, 1, 0)
+        normal, middle = np.cross(b - a, c - a), (a + b + c) / 3
+        self.assertGreater(np.einsum("ij,ij->", a, np.cross(b, c)), 0)
+        speed = np.einsum("ij,ij->i", normal, np.cross([1, 0, 0], middle))
+        front = normal[:, 0] > .5 * np.linalg.norm(normal, axis=1)
+        self.assertGreater(front.sum(), 100)
+        self.assertTrue((speed[front] > 0).all())
+
+    def test_a_stretched_mesh_is_scaled_in_its_own_axes(self):
+        s = td.Scene("a", 1)
+        body = s.body("cube", shape={"type": "mesh", "file": str(self.file), "scale": 1e-3, "stretch": [2, 1, 1]}, density=1)
+        body.rotate("z", math.pi / 2, about=(0, 0, 0))
+        shape = body.entry["shapes"][0]["shape"]
+        low, high = geometry.bounds_in(shape, None, None)
+        np.testing.assert_allclose(high - low, [2, 2, 3], atol=1e-6)
+        self.assertAlmostEqual(geometry.volume(shape), 12, 5)
+
     def test_scale_keeps_the_joint(self):
         body = self.bucket().scale(y=2)
         low, high = geometry.bounds_in(body.shapes[0]["shape"], None, None)

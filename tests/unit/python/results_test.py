@@ -100,7 +100,8 @@ class Signals(Case):
 
     def test_chart(self):
         file = self.folder / "chart.png"
-        self.r.plot(["lift.force", "box.position", "hinge.*"], file)
+        made = self.r.plot(["lift.force", "box.position", "hinge.*"], file)
+        self.assertEqual(made._repr_png_()[1:4], b"PNG")  # which notebooks show
         self.assertGreater(file.stat().st_size, 10000)
 
 

@@ -142,7 +142,7 @@ class Refusals(unittest.TestCase):
 
     def test_errors(self):
         self.assertEqual([error_of_text(text) for text in ("1%", "0.5%", "0.02")], [.01, .005, .02])
-        for text in ("0", "1", "100%", "one", "-1%", "nan", "%"):
+        for text in ("0", "1", "100%", "one", "-1%", "nan", "inf", "nan%", "%"):
             with self.assertRaisesRegex(td.SceneError, "is no error .*--error 1%"):
                 error_of_text(text)
 
@@ -166,7 +166,7 @@ class Refusals(unittest.TestCase):
                              ({"overlap": math.nan}, "--overlap: nan is no overlap"), ({"window": ["a"]}, "--window: 'a' is no finite number"),
                              ({"of": ["floor.force:mean:.5:.9"]}, "outside the run, which ends at 0.4 s"), ({"of": ["f:mean:0:9"]}, "outside the run"),
                              ({"of": ["floor.force:mean:.3:.2"]}, "before the other one"), ({"of": ["floor.force:meen"]}, "did you mean 'mean'"),
-                             ({"of": ["floor.force:mean:nan"]}, "a time that is no number"), ({"of": [7]}, "7 is no name of a result")):
+                             ({"of": ["floor.force:mean:nan"]}, "a time that is no number"), ({"limit": math.nan}, "nan is no wall time"), ({"limit": 0}, "0 is no wall time"), ({"of": [7]}, "7 is no name of a result")):
             with self.subTest(keys=keys):
                 self.assertRegex(self.refusal(bed(), **keys), wanted)
         self.assertIn("'s.json' is no scene (write td.soften(td.load(", self.refusal("s.json"))
@@ -192,8 +192,9 @@ class Refusals(unittest.TestCase):
         self.assertEqual(scene_of(str(self.folder / "s.json"), ["mouth=.2"]).data["parameters"]["mouth"]["value"], .2)
         with self.assertRaisesRegex(td.SceneError, "no parameter 'muoth'; did you mean 'mouth'"):
             scene_of(str(self.folder / "s.json"), ["muoth=.2"])
-        with self.assertRaisesRegex(td.SceneError, "'mouth=wide' gives no value"):
-            scene_of(str(self.folder / "s.json"), ["mouth=wide"])
+        for word in ("wide", "nan", "inf", "1e400"):
+            with self.assertRaisesRegex(td.SceneError, f"'mouth={word}' gives no value"):
+                scene_of(str(self.folder / "s.json"), [f"mouth={word}"])
 
     def test_a_suspect_stiff_scene_and_an_error_below_its_scatter(self):
         stiff = SimpleNamespace(setting=SimpleNamespace(divisor=1, window=1e-3), share=.2, parts={}, wall_s=1.0, overlap=.01, fault="",

@@ -144,7 +144,11 @@ class Sweeps(Case):
         self.assertEqual(self.runs(), ["2", "1", "3"])
 
     def test_pictures(self):
-        self.sweep(x=[-1, 2, 3, 11]).picture(self.folder / "one.png")
+        one = self.sweep(x=[-1, 2, 3, 11])
+        one.picture(self.folder / "one.png")
+        shown = one._repr_html_()  # in a notebook: columns stay aligned, and the picture is below them
+        self.assertIn('<pre style="font-family:monospace', shown)
+        self.assertIn('<img src="data:image/png;base64,iVBOR', shown)
         self.sweep(x=[-1, 2, 3, 11], y=[1, 2, 3, 4], jobs=4).picture(self.folder / "two.png")
         for name in ("one", "two"):
             self.assertGreater((self.folder / f"{name}.png").stat().st_size, 10000)
@@ -152,6 +156,11 @@ class Sweeps(Case):
     def test_wrong_words(self):
         with self.assertRaisesRegex(td.SceneError, "no parameter 'z'; there is 'x', 'y'"):
             self.sweep(z=[1])
+        for limit in (float("nan"), float("inf"), -1):
+            with self.assertRaisesRegex(td.SceneError, f"limit: {limit} is no wall time of a run"):
+                self.sweep(x=[1], limit=limit)
+        with self.assertRaisesRegex(td.SceneError, "nan is no finite number"):
+            self.sweep(x=[1, float("nan")])
         (self.folder / "other").mkdir()
         (self.folder / "other" / "file").touch()
         with self.assertRaisesRegex(td.SceneError, "no folder of a sweep"):
@@ -162,7 +171,7 @@ class Words(Case):
     def test_values(self):
         self.assertEqual(values_of("mouth=0.05:0.08:4"), ("mouth", [.05, .06, .07, .08]))
         self.assertEqual(values_of("pitch=10,20"), ("pitch", [10, 20]))
-        for text in ("mouth", "mouth=", "=1", "mouth=1:2", "mouth=1:2:1", "mouth=a"):
+        for text in ("mouth", "mouth=", "=1", "mouth=1:2", "mouth=1:2:1", "mouth=a", "mouth=nan", "mouth=1,inf", "mouth=0:inf:3", "mouth=1e400"):
             with self.assertRaisesRegex(td.SceneError, "gives no parameter values"):
                 values_of(text)
 

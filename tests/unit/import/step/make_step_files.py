@@ -164,6 +164,20 @@ def gearbox():
     write(gearbox_, "gearbox.step")
 
 
+def rounds():
+    """Solids with poles and an apex, and with none of them: of one face, or two. Lengths in mm."""
+    machine = cq.Assembly(name="rounds")
+    for k, (name, solid) in enumerate({
+        "ball": cq.Solid.makeSphere(25, angleDegrees1=-90, angleDegrees2=90),
+        "cone": cq.Solid.makeCone(20, 0, 50),
+        "torus": cq.Solid.makeTorus(30, 10),
+        "dome": cq.Solid.makeSphere(15, angleDegrees1=0, angleDegrees2=90),
+        "bearing_ball": cq.Solid.makeSphere(2, angleDegrees1=-90, angleDegrees2=90),
+    }.items()):
+        machine.add(cq.Workplane(solid), name=name, loc=at(x=100 * k))
+    write(machine, "rounds.step")
+
+
 def surface():
     """A sheet without thickness: no solid."""
     sheet = cq.Face.makePlane(100, 50)
@@ -174,4 +188,5 @@ if __name__ == "__main__":
     slider_crank()
     bucket()
     gearbox()
+    rounds()
     surface()
