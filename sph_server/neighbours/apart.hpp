@@ -10,8 +10,8 @@ namespace tandem::sph {
 template <class Real>
 using Position = particles::PositionRadius<Real>;  // the radius is not used
 
-// x_a - x_b [m], exact but for the rounding to Real of positions that are near each other: apart(b, a) has the
-// opposite bits.
+// x_a - x_b [m], exact but for the rounding to Real of positions that are near each other: apart(b, a) has
+// the opposite bits.
 template <class Real>
 struct Apart {
   using Unit = particles::LengthUnit<Real>;

@@ -1,4 +1,5 @@
-// The particles that have facets in their lists, and those of these facets that may meet those of another body.
+// The particles that have facets in their lists, and those of these facets that may meet those of another
+// body.
 #pragma once
 
 #include <cstdint>
