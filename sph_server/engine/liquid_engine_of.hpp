@@ -672,8 +672,8 @@ class LiquidEngineOf final : public LiquidEngine {
     if (walls_.any_closed()) exec_.for_each(beside_walls_, backs_);
     exec_.zero(sight_, facets_.total);
     exec_.for_each_where(facets_.total, IsNear{arrays_}, hiders_);
-    exec_.for_each_where(facets_.total, HasSight{sight_.data(), Sight::whole}, see_whole_);
-    exec_.for_each_where(facets_.total, HasSight{sight_.data(), Sight::partial}, see_partial_);
+    exec_.for_each_of_two(facets_.total, HasSight{sight_.data(), Sight::partial}, see_partial_,
+                          HasSight{sight_.data(), Sight::whole}, see_whole_);
   }
 
   void sum_rates() {

@@ -23,7 +23,14 @@ struct WarpGroup {
     return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes)));
   }
   __device__ std::uint32_t before(bool yes) const {
-    return static_cast<std::uint32_t>(__popc(__ballot_sync(~0u, yes) & ((1u << rank()) - 1)));
+    std::uint32_t all = 0;
+    return before(yes, all);
+  }
+  // all: the number of those with `yes`.
+  __device__ std::uint32_t before(bool yes, std::uint32_t& all) const {
+    const unsigned votes = __ballot_sync(~0u, yes);
+    all = static_cast<std::uint32_t>(__popc(votes));
+    return static_cast<std::uint32_t>(__popc(votes & ((1u << rank()) - 1)));
   }
 
  private:

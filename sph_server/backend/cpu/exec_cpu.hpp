@@ -67,6 +67,13 @@ class CpuExec : public particles::HostExec {
     });
   }
 
+  // f(i) for those of which a(i) holds, and g(i) for those of which b(i) holds.
+  template <class A, class F, class B, class G>
+  void for_each_of_two(std::uint32_t n, A a, F f, B b, G g) {
+    for_each_where(n, a, f);
+    for_each_where(n, b, g);
+  }
+
   // Two works of which neither needs what the other one does.
   template <class A, class B>
   void side_by_side(A a, B b) {

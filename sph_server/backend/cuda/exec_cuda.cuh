@@ -73,9 +73,10 @@ __global__ void __launch_bounds__(list_warps* particles::WarpGroup::size, 4)
     std::uint32_t count = 0;
     if (i < n)
       find(i, group, [&](Entry e, bool exists) {
-        const std::uint32_t mine = count + group.before(exists);
+        std::uint32_t of_group = 0;
+        const std::uint32_t mine = count + group.before(exists, of_group);
         if (exists && mine < most) to[mine] = e;
-        count += group.count(exists);
+        count += of_group;
       });
     if (again) return;
     if (lane == 0) counts[warp] = count;
@@ -104,15 +105,40 @@ __global__ void __launch_bounds__(list_warps* particles::WarpGroup::size, 4)
   }
 }
 
-// chosen: numbers for which where(i) holds, or null.
+// The numbers below n for which where(i) holds.
+template <class Where>
+struct Chosen {
+  std::uint32_t n;
+  Where where;
+  const std::uint32_t* number;  // these, or null: each thread then asks for itself
+  const std::uint32_t* count;   // of them
+
+  // Where they are few, threads of a warp that would wait for each other stand aside.
+  template <class F>
+  __device__ void call(std::uint32_t thread, F f) const {
+    constexpr std::uint32_t apart = 8, few = 1u << 15;
+    if (!number) {
+      if (thread < n && where(thread)) f(thread);
+      return;
+    }
+    const std::uint32_t numbers = *count, spread = numbers <= few && numbers <= n / apart ? apart : 1,
+                        k = thread / spread;
+    if (thread % spread == 0 && k < numbers) f(number[k]);
+  }
+};
 template <class Where, class F>
-__global__ void __launch_bounds__(particles::block_threads)
-    for_each_where_kernel(std::uint32_t n, const std::uint32_t* chosen, const std::uint32_t* count,
-                          Where where, F f) {
-  const std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-  if (k >= (chosen ? *count : n)) return;
-  const std::uint32_t i = chosen ? chosen[k] : k;
-  if (chosen || where(i)) f(i);
+__global__ void __launch_bounds__(particles::block_threads) for_each_where_kernel(Chosen<Where> chosen, F f) {
+  chosen.call(blockIdx.x * blockDim.x + threadIdx.x, f);
+}
+// Of two tasks side by side, each with half of the blocks.
+template <class A, class F, class B, class G>
+__global__ void __launch_bounds__(particles::block_threads, 3)
+    for_each_of_two_kernel(Chosen<A> a, F f, Chosen<B> b, G g) {
+  const unsigned half = gridDim.x / 2, thread = blockIdx.x % half * blockDim.x + threadIdx.x;
+  if (blockIdx.x < half)
+    a.call(thread, f);
+  else
+    b.call(thread, g);
 }
 
 // The value that another thread of the warp has. All threads of the mask call it together.
@@ -187,8 +213,8 @@ __device__ void add_up(Tally& own, Tally* shared) {
   over_warp(own);
 }
 
-// Sums of bodies: those of few bodies are added up in the memory of a block first. A thread keeps the sum of
-// the body that it added to last, so that threads need not meet where they add.
+// Sums of bodies: those of few bodies are added up in the memory of a block first. A thread keeps what it
+// adds until all threads of its warp settle together.
 class DeviceBodySums {
  public:
   __device__ DeviceBodySums(particles::SplitSum* shared, std::uint32_t in_shared, std::int64_t* global)
@@ -200,45 +226,58 @@ class DeviceBodySums {
     add(body, sum);
   }
   __device__ void add(std::uint32_t body, const BodySum& sum) {
-    if (body != body_) {
-      if (body_ != none) add_kept(true, [](std::int64_t amount) { return amount; });
-      body_ = body;
-      kept_ = {};
+    int k = 0;
+    while (k < kept_ && body_[k] != body) ++k;
+    if (k == most_kept) return add_alone(body, sum);
+    if (k == kept_) {
+      body_[kept_] = body;
+      sum_[kept_++] = {};
     }
-    kept_.add(sum);
+    sum_[k].add(sum);
   }
   // Adds what the threads have kept. All threads of a warp call it together.
-  __device__ void flush() {
-    int same = 0;
-    __match_all_sync(~0u, body_, &same);
-    if (same && body_ == none) return;
-    if (same)
-      add_kept(threadIdx.x % particles::WarpGroup::size == 0,
-               [](std::int64_t amount) { return particles::warp_sum(amount); });
-    else if (body_ != none)
-      add_kept(true, [](std::int64_t amount) { return amount; });
+  __device__ void settle() {
+    for (;;) {
+      const unsigned waiting = __ballot_sync(~0u, kept_ > 0);
+      if (waiting == 0) return;
+      const std::uint32_t mine = kept_ > 0 ? body_[kept_ - 1] : 0,
+                          body = __shfl_sync(~0u, mine, __ffs(static_cast<int>(waiting)) - 1);
+      int k = 0;
+      while (k < kept_ && body_[k] != body) ++k;
+      const bool has = k < kept_;
+      for (unsigned a = 0; a < 6; ++a) {
+        const std::int64_t sum = particles::warp_sum(has ? component(sum_[k], a) : 0);
+        if (threadIdx.x % particles::WarpGroup::size == 0) add_to(body, a, sum);
+      }
+      if (!has) continue;
+      --kept_;
+      body_[k] = body_[kept_];
+      sum_[k] = sum_[kept_];
+    }
   }
 
  private:
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  static constexpr int most_kept = 4;
 
-  template <class Sum>
-  __device__ void add_kept(bool adds, Sum sum) {
-    for (unsigned k = 0; k < 6; ++k) {
-      const std::int64_t amount = sum(k < 3 ? kept_.acceleration[k] : kept_.torque[k - 3]);
-      if (!adds) continue;
-      if (body_ < in_shared_)
-        shared_[body_ * 6 + k].add(amount);
-      else
-        particles::add_global(global_ + std::size_t{body_} * 6 + k, static_cast<unsigned long long>(amount));
-    }
+  __device__ static std::int64_t component(const BodySum& sum, unsigned a) {
+    return a < 3 ? sum.acceleration[a] : sum.torque[a - 3];
+  }
+  __device__ void add_alone(std::uint32_t body, const BodySum& sum) {
+    for (unsigned a = 0; a < 6; ++a) add_to(body, a, component(sum, a));
+  }
+  __device__ void add_to(std::uint32_t body, unsigned a, std::int64_t amount) {
+    if (body < in_shared_)
+      shared_[body * 6 + a].add(amount);
+    else
+      particles::add_global(global_ + std::size_t{body} * 6 + a, static_cast<unsigned long long>(amount));
   }
 
   particles::SplitSum* shared_;
   std::uint32_t in_shared_;  // bodies
   std::int64_t* global_;     // 6 per body
-  std::uint32_t body_ = none;
-  BodySum kept_;
+  int kept_ = 0;
+  std::uint32_t body_[most_kept];
+  BodySum sum_[most_kept];
 };
 
 inline constexpr unsigned reduce_threads = 128, most_reduce_blocks = 528, join_threads = 512;
@@ -264,15 +303,22 @@ __global__ void __launch_bounds__(reduce_threads, 3)
   __syncthreads();
   Tally own;
   DeviceBodySums sums{shared, in_shared, of_body};
-  const std::uint32_t first = blockIdx.x * blockDim.x + threadIdx.x, threads = gridDim.x * blockDim.x;
-  if constexpr (F::by_teams && shared_by_team)
-    for (std::uint32_t i = first / wall_lanes; i < n; i += threads / wall_lanes) f(i, LaneTeam{}, own, sums);
-  else if constexpr (F::by_teams)
-    for (std::uint32_t i = first; i < n; i += threads) f(i, OneThreadTeam{}, own, sums);
-  else
-    for (std::uint32_t i = first; i < n; i += threads) f(i, own, sums);
-  __syncwarp();
-  sums.flush();
+  constexpr bool team = F::by_teams && shared_by_team;
+  const std::uint32_t sharing = team ? wall_lanes : 1,
+                      first = (blockIdx.x * blockDim.x + threadIdx.x) / sharing,
+                      stride = gridDim.x * blockDim.x / sharing;
+  for (std::uint32_t i = first; __any_sync(~0u, i < n); i += stride) {
+    if (i < n) {
+      if constexpr (team)
+        f(i, LaneTeam{}, own, sums);
+      else if constexpr (F::by_teams)
+        f(i, OneThreadTeam{}, own, sums);
+      else
+        f(i, own, sums);
+    }
+    __syncwarp();
+    sums.settle();
+  }
   add_up(own, reinterpret_cast<Tally*>(space));
   if (threadIdx.x == 0) of_block[blockIdx.x] = own;
   for (unsigned k = threadIdx.x; k < in_shared * 6; k += blockDim.x)
@@ -324,11 +370,20 @@ class CudaExec : public particles::DeviceExec {
   // Where they are many, the numbers are listed first, so that the threads of a warp all have work.
   template <class Where, class F>
   void for_each_where(std::uint32_t n, Where where, F f) {
-    constexpr std::uint32_t many = 1u << 17;
     if (n == 0) return;
-    if (n >= many) choose(n, where);
+    const Chosen<Where> chosen = choose(n, where, 0);
     for_each_where_kernel<<<blocks(n, particles::block_threads), particles::block_threads, 0, stream_>>>(
-        n, n >= many ? chosen_.data() : nullptr, chosen_count_.data(), where, f);
+        chosen, f);
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
+  }
+  // f of the numbers for which a(i) holds, and beside it g of those for which b(i) holds.
+  template <class A, class F, class B, class G>
+  void for_each_of_two(std::uint32_t n, A a, F f, B b, G g) {
+    if (n == 0) return;
+    const Chosen<A> of_a = choose(n, a, 0);
+    const Chosen<B> of_b = choose(n, b, 1);
+    for_each_of_two_kernel<<<2 * blocks(n, particles::block_threads), particles::block_threads, 0, stream_>>>(
+        of_a, f, of_b, g);
     particles::check_cuda(cudaGetLastError(), "starting a kernel");
   }
 
@@ -404,16 +459,20 @@ class CudaExec : public particles::DeviceExec {
   }
 
  private:
-  // Lists the numbers below n for which where(i) holds, ascending, in `chosen_`.
+  // which: of the lists in `chosen_`.
   template <class Where>
-  void choose(std::uint32_t n, Where where) {
-    grow(chosen_, n);
-    grow(chosen_count_, 1);
+  Chosen<Where> choose(std::uint32_t n, Where where, int which) {
+    constexpr std::uint32_t many = 1u << 17;
+    grow(chosen_count_, 2);
+    std::uint32_t* const count = chosen_count_.data() + which;
+    if (n < many) return {n, where, nullptr, count};
+    grow(chosen_[which], n);
     with_scratch([&](void* scratch, std::size_t& bytes) {
       return cub::DeviceSelect::If(scratch, bytes, thrust::counting_iterator<std::uint32_t>(0),
-                                   chosen_.data(), chosen_count_.data(), static_cast<std::int64_t>(n), where,
+                                   chosen_[which].data(), count, static_cast<std::int64_t>(n), where,
                                    stream_);
     });
+    return {n, where, chosen_[which].data(), count};
   }
   // False if there is too little room for the entries; it then knows how many there are.
   template <class Entry, class Find>
@@ -462,8 +521,8 @@ class CudaExec : public particles::DeviceExec {
   }
 
   Fork fork_;
-  Buffer<std::uint32_t> chosen_, chosen_count_;  // see choose()
-  Buffer<std::byte> tallies_;                    // of the blocks of a kernel
+  Buffer<std::uint32_t> chosen_[2], chosen_count_;  // see choose()
+  Buffer<std::byte> tallies_;                       // of the blocks of a kernel
   Buffer<std::int64_t> of_body_;
   Buffer<unsigned long long> list_total_;
 };
