@@ -355,9 +355,9 @@ void Dynamics::linearise_contacts(const MatrixWeights& weights, Linearisation& o
     for (ConnectionSide& side : block.more) side.C.setZero(), side.R.setZero();
   }
   if (weights.stiffness == 0 && weights.damping == 0) return;
-  for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const auto [a, b] = links_of_contact(k);
-    const ContactForce f = evaluate(model_, contacts_.col(k), links_);
+    const ContactForce f = evaluate(model_, contacts_[k], links_);
     const Matrix6d turning = weights.stiffness * rotation_of(wrench_at(f.p, f.force, f.torque));
     if (b > 0) out.grounded[out.grounded_of[b]].leftCols<6>() -= turning;
     if (a > 0) out.grounded[out.grounded_of[a]].leftCols<6>() += turning;

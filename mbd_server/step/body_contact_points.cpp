@@ -14,7 +14,7 @@ constexpr double same_place = 0.05;
 // A point of a face begins to touch where those that do are farther away than this share of the smaller
 // shape's size: two that are nearer would bear as one, with twice the stiffness.
 constexpr double merged = 1e-4;
-constexpr Eigen::Index part_of_another = -2;  // of such a point, in column_of_
+constexpr Eigen::Index part_of_another = -2;  // of such a point, in point_of_
 // Newton's method finds the depth of a contact to this share of that under the weight that the point feels.
 constexpr double resolved = 1e-3;
 // A body is held along a contact where it gives way by less than this share of the other one.
@@ -31,27 +31,24 @@ void BodyContacts::find(State& state, double h) {
   watches_.clear();
   turned_ = false;
   std::vector<std::size_t> held;
-  std::vector<bool> taken(static_cast<std::size_t>(state.contacts.cols()), false);
+  std::vector<bool> taken(state.contacts.size(), false);
   std::vector<Eigen::Index> kept;
   by_pair_.clear();
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const auto a = static_cast<int>(state.contacts(ContactRow::shape_a, k)),
-               b = static_cast<int>(state.contacts(ContactRow::shape_b, k));
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k) {
+    const auto a = state.contacts[k].feature.a, b = state.contacts[k].feature.b;
     by_pair_.push_back({std::min(a, b), std::max(a, b), k});
   }
   std::sort(by_pair_.begin(), by_pair_.end());
   for (const NearPair& pair : pairs_) {
     const Range points = of_pair(pair.a, pair.b);
-    const std::int64_t preferred =
-        points.empty() ? -1
-                       : static_cast<std::int64_t>(state.contacts(ContactRow::code, points.back().column));
+    const std::int64_t preferred = points.empty() ? -1 : state.contacts[points.back().point].feature.code;
     features_.clear();
     const ContactShape &one = model_.contact.shape(pair.a), &two = model_.contact.shape(pair.b);
     double depth = 0;
     if (one.mesh || two.mesh) {
       if (h == 0) depth = std::min(one.bound, two.bound);
       for (const OfPair& point : points)
-        depth = std::max(depth, -gap(model_, feature_of(state.contacts.col(point.column)), links));
+        depth = std::max(depth, -gap(model_, state.contacts[point.point].feature, links));
     }
     find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_, depth);
     match(state, points);
@@ -62,22 +59,21 @@ void BodyContacts::find(State& state, double h) {
         candidates_.push_back({feature, -1, tolerance(feature)});
         continue;
       }
-      const Eigen::Index column = column_of_[i];
-      if (column < 0 && feature.on_mesh) continue;  // its watch sees it
-      if (column == part_of_another) continue;
+      const Eigen::Index point = point_of_[i];
+      if (point < 0 && feature.on_mesh) continue;  // its watch sees it
+      if (point == part_of_another) continue;
       if (feature.on_mesh) held.push_back(candidates_.size());
-      candidates_.push_back({feature, column, tolerance(feature)});
-      if (column < 0) continue;
-      taken[static_cast<std::size_t>(column)] = true;
-      turned_ |= follow(state, feature, column);
-      kept.push_back(column);
+      candidates_.push_back({feature, point, tolerance(feature)});
+      if (point < 0) continue;
+      taken[static_cast<std::size_t>(point)] = true;
+      turned_ |= follow(state, feature, point);
+      kept.push_back(point);
     }
   }
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k)
     if (!taken[static_cast<std::size_t>(k)])
-      lose(evaluate(model_, state.contacts.col(k), links, Derivatives::without).energy,
-           static_cast<int>(state.contacts(ContactRow::shape_a, k)),
-           static_cast<int>(state.contacts(ContactRow::shape_b, k)));
+      lose(evaluate(model_, state.contacts[k], links, Derivatives::without).energy,
+           state.contacts[k].feature.a, state.contacts[k].feature.b);
   keep(state, kept);
 }
 
@@ -92,9 +88,9 @@ BodyContacts::Range BodyContacts::of_pair(int a, int b) const {
 // feature does not take the point of its neighbour. Two points that touch stay two, however near they come.
 void BodyContacts::match(const State& state, Range points) {
   matches_.clear();
-  column_of_.assign(features_.size(), -1);
+  point_of_.assign(features_.size(), -1);
   for (const OfPair& point : points) {
-    const ContactFeature g = feature_of(state.contacts.col(point.column));
+    const ContactFeature g = state.contacts[point.point].feature;
     for (std::size_t i = 0; i < features_.size(); ++i) {
       const ContactFeature& f = features_[i];
       if (f.kind == ContactFeature::Kind::watch || g.a != f.a || g.b != f.b || g.code != f.code) continue;
@@ -103,40 +99,39 @@ void BodyContacts::match(const State& state, Range points) {
         distance = (foot(model_, g, system_.links()) - f.place_b).norm(), most = same_foot(f);
       else if (f.by_place)
         distance = (g.place_a - f.place_a).norm(), most = same_place * model_.contact.shape(f.a).bound;
-      if (distance < most) matches_.push_back({distance, i, point.column});
+      if (distance < most) matches_.push_back({distance, i, point.point});
     }
   }
   std::ranges::sort(matches_);
   for (const Match& m : matches_) {
-    if (column_of_[m.feature] >= 0 || std::ranges::find(column_of_, m.column) != column_of_.end()) continue;
-    column_of_[m.feature] = m.column;
+    if (point_of_[m.feature] >= 0 || std::ranges::find(point_of_, m.point) != point_of_.end()) continue;
+    point_of_[m.feature] = m.point;
   }
   for (std::size_t i = 0; i < features_.size(); ++i) {
     const ContactFeature& f = features_[i];
-    if (!f.by_place || column_of_[i] >= 0) continue;
+    if (!f.by_place || point_of_[i] >= 0) continue;
     const double size = std::min(model_.contact.shape(f.a).bound, model_.contact.shape(f.b).bound);
     for (std::size_t k = 0; k < features_.size(); ++k) {
-      const bool stands = column_of_[k] >= 0 || (k < i && column_of_[k] != part_of_another);
-      if (stands && (features_[k].place_a - f.place_a).norm() < merged * size)
-        column_of_[i] = part_of_another;
+      const bool stands = point_of_[k] >= 0 || (k < i && point_of_[k] != part_of_another);
+      if (stands && (features_[k].place_a - f.place_a).norm() < merged * size) point_of_[i] = part_of_another;
     }
   }
 }
 
 // Leaves these columns, in the order of their indices.
 void BodyContacts::keep(State& state, const std::vector<Eigen::Index>& columns) {
-  std::vector<Eigen::Index> sorted = columns, place(static_cast<std::size_t>(state.contacts.cols()), -1);
+  std::vector<Eigen::Index> sorted = columns, place(state.contacts.size(), -1);
   std::sort(sorted.begin(), sorted.end());
-  if (std::ssize(sorted) == state.contacts.cols()) return;
+  if (std::ssize(sorted) == std::ssize(state.contacts)) return;
   Eigen::Index count = 0;
   for (const Eigen::Index k : sorted) {
     place[static_cast<std::size_t>(k)] = count;
-    if (k != count) state.contacts.col(count) = state.contacts.col(k).eval();
+    if (k != count) state.contacts[count] = state.contacts[k];
     ++count;
   }
-  state.contacts.conservativeResize(Eigen::NoChange, count);
+  state.contacts.resize(static_cast<std::size_t>(count));
   for (Candidate& c : candidates_)
-    if (c.column >= 0) c.column = place[static_cast<std::size_t>(c.column)];
+    if (c.point >= 0) c.point = place[static_cast<std::size_t>(c.point)];
 }
 
 // Points within the tolerance whose shapes approach each other, or are pressed together, come into contact,
@@ -148,7 +143,7 @@ bool BodyContacts::enter_all(State& state, double ahead, bool at_start) {
   for (Watch& watch : watches_) enter_watched(watch, at_start);
   const std::size_t count = candidates_.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (candidates_[i].column >= 0 || candidates_[i].feature.kind == ContactFeature::Kind::watch ||
+    if (candidates_[i].point >= 0 || candidates_[i].feature.kind == ContactFeature::Kind::watch ||
         candidates_[i].feature.on_mesh)
       continue;
     double rate = 0;
@@ -163,8 +158,8 @@ bool BodyContacts::enter_all(State& state, double ahead, bool at_start) {
     entries_.back().faint = within || (!at_start && rate * rate < faint_square(f.a, f.b));
   }
   if (!entries_.empty()) find_masses();
-  const Eigen::Index first = state.contacts.cols();
-  state.contacts.conservativeResize(Eigen::NoChange, first + std::ssize(entries_));
+  const Eigen::Index first = std::ssize(state.contacts);
+  state.contacts.resize(static_cast<std::size_t>(first) + entries_.size());
   for (std::size_t i = 0; i < entries_.size(); ++i)
     enter(state, entries_[i], first + static_cast<Eigen::Index>(i));
   find_pressing_masses(state);
@@ -240,18 +235,15 @@ void BodyContacts::find_pressing_masses(State& state) {
           next[static_cast<std::size_t>(next[static_cast<std::size_t>(i)])];
     return i;
   };
-  const auto side = [&](Eigen::Index k, ContactRow::Row shape, ContactRow::Row mass) {
-    return state.contacts(mass, k) > 0 ? machine_of(static_cast<int>(state.contacts(shape, k))) : none;
-  };
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const int a = side(k, ContactRow::shape_a, ContactRow::mass_a),
-              b = side(k, ContactRow::shape_b, ContactRow::mass_b);
-    const auto add = [&](int machine, ContactRow::Row mass) {
+  const auto side = [&](int shape, double mass) { return mass > 0 ? machine_of(shape) : none; };
+  for (const ContactPoint& p : state.contacts) {
+    const int a = side(p.feature.a, p.mass_a), b = side(p.feature.b, p.mass_b);
+    const auto add = [&](int machine, double mass) {
       if (machine == none) return;
       double& most = pressing_[static_cast<std::size_t>(machine)];
-      most = std::max(most, state.contacts(mass, k));
+      most = std::max(most, mass);
     };
-    add(a, ContactRow::mass_a), add(b, ContactRow::mass_b);
+    add(a, p.mass_a), add(b, p.mass_b);
     if (a != none && b != none)
       next[static_cast<std::size_t>(std::max(first(a), first(b)))] = std::min(first(a), first(b));
   }
@@ -259,12 +251,9 @@ void BodyContacts::find_pressing_masses(State& state) {
     double& of_all = pressing_[static_cast<std::size_t>(first(static_cast<int>(i)))];
     of_all = std::max(of_all, pressing_[i]);
   }
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const int a = side(k, ContactRow::shape_a, ContactRow::mass_a),
-              b = side(k, ContactRow::shape_b, ContactRow::mass_b), machine = a != none ? a : b;
-    state.contacts(ContactRow::pressing_mass, k) = machine != none
-                                                       ? pressing_[static_cast<std::size_t>(first(machine))]
-                                                       : state.contacts(ContactRow::mass, k);
+  for (ContactPoint& p : state.contacts) {
+    const int a = side(p.feature.a, p.mass_a), b = side(p.feature.b, p.mass_b), machine = a != none ? a : b;
+    p.pressing_mass = machine != none ? pressing_[static_cast<std::size_t>(first(machine))] : p.mass;
   }
 }
 
@@ -279,44 +268,44 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   const double depth = std::max(-t.gap, impact_depth(law, entry.mass, entry.rate));
   // Hertz: over depth^1/2.
   const double stiffness = law.hertz ? 1.5 * law.stiffness : law.stiffness;
-  candidate.column = index;
-  ContactColumn column = ContactColumn::Zero();
-  set_feature(feature, column);
-  column[ContactRow::mass] = entry.mass;
-  column[ContactRow::mass_a] = entry.mass_a, column[ContactRow::mass_b] = entry.mass_b;
-  column[ContactRow::entry_rate] = entry.rate;
-  column[ContactRow::entry_time] = state.time;
+  candidate.point = index;
+  ContactPoint point;
+  point.feature = feature;
+  point.mass = entry.mass;
+  point.mass_a = entry.mass_a, point.mass_b = entry.mass_b;
+  point.entry_rate = entry.rate;
+  point.entry_time = state.time;
   // A contact that begins at rest gets the period at a depth of the tolerance, until it is deeper.
-  column[ContactRow::period] = half_period(law, entry.mass, std::max(depth, tolerance_));
+  point.period = half_period(law, entry.mass, std::max(depth, tolerance_));
   const double under_weight = depth_of(law, entry.mass * model_.gravity.norm()),
                finest = std::max(resolved * under_weight, least_),
                by_norm = tolerance_ * std::sqrt(static_cast<double>(model_.freedoms));
-  if (under_weight > 0 && finest < by_norm) column[ContactRow::finest] = finest;
+  if (under_weight > 0 && finest < by_norm) point.finest = finest;
   // Without friction nothing is held along the surfaces, and no spring stores energy there.
   const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
-  column[ContactRow::stiffness] = ratio * stiffness;
-  column[ContactRow::damping] = ratio * std::sqrt(stiffness * entry.mass);
-  column.segment<3>(ContactRow::on_a) = in_link(links[static_cast<std::size_t>(a.link)], t.p);
-  column.segment<3>(ContactRow::on_b) = in_link(links[static_cast<std::size_t>(b.link)], t.p);
+  point.friction.stiffness = ratio * stiffness;
+  point.friction.damping = ratio * std::sqrt(stiffness * entry.mass);
+  point.friction.on_a = in_link(links[static_cast<std::size_t>(a.link)], t.p);
+  point.friction.on_b = in_link(links[static_cast<std::size_t>(b.link)], t.p);
   if (const double radius = rolling_radius(feature); law.rolling_friction > 0 && radius > 0) {
     const double at_radius = law.tangential_ratio * radius * radius;
-    column[ContactRow::rolling_radius] = radius;
-    column[ContactRow::rolling_stiffness] = at_radius * stiffness;
-    column[ContactRow::rolling_damping] = at_radius * std::sqrt(stiffness * entry.mass);
+    point.rolling.radius = radius;
+    point.rolling.stiffness = at_radius * stiffness;
+    point.rolling.damping = at_radius * std::sqrt(stiffness * entry.mass);
     set_rolling_spring(t.n, t.n, links[static_cast<std::size_t>(a.link)],
-                       links[static_cast<std::size_t>(b.link)], column);
+                       links[static_cast<std::size_t>(b.link)], point);
   }
-  state.contacts.col(index) = column;
+  state.contacts[index] = point;
   // A point that takes the place of another one begins with the energy of its depth.
   if (state.steps > 0) lose(-normal_energy(law, -t.gap), feature.a, feature.b);
-  if (!entry.faint) shorten(state, column);
+  if (!entry.faint) shorten(state, point);
   if (t.gap <= candidate.tolerance) ++counters_.contacts;
 }
 
 // The next steps resolve an impact of this point.
-void BodyContacts::shorten(State& state, const ContactColumn& column) {
+void BodyContacts::shorten(State& state, const ContactPoint& point) {
   double& touch_step = state.touch_step[0];
-  const double longest = impact_step(column, 0, column[ContactRow::entry_rate]);
+  const double longest = impact_step(point, 0, point.entry_rate);
   touch_step = touch_step > 0 ? std::min(touch_step, longest) : longest;
 }
 

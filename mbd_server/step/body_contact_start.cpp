@@ -10,7 +10,7 @@
 namespace tandem::mbd {
 void BodyContacts::prepare(State& state) {
   if (model_.contact.empty()) return;
-  state.contacts.setZero(ContactRow::count, 0);
+  state.contacts.clear();
   state.touch_step.setZero(1);
   state.contact_wrench.setZero(6, std::ssize(model_.boundary));
   system_.residual(state);
@@ -41,12 +41,12 @@ void BodyContacts::expect_outside() const {
 // A contact whose loads hold it has no acceleration that opens it.
 void BodyContacts::note_start(State& state, double h) {
   released_ = {};
-  if (state.contacts.cols() == 0) return;
+  if (state.contacts.empty()) return;
   const auto rates = [&](const State& at, std::vector<double>& rate) {
     system_.residual(at);
     rate.clear();
-    for (Eigen::Index k = 0; k < at.contacts.cols(); ++k)
-      gap(model_, feature_of(at.contacts.col(k)), system_.links(), &rate.emplace_back());
+    for (Eigen::Index k = 0; k < std::ssize(at.contacts); ++k)
+      gap(model_, at.contacts[k].feature, system_.links(), &rate.emplace_back());
   };
   std::vector<double> before, after;
   rates(state, before);
@@ -58,20 +58,19 @@ void BodyContacts::note_start(State& state, double h) {
   system_.move(state.q, unit_, ahead.q);
   rates(ahead, after);
   system_.residual(state);
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const ContactColumn column = state.contacts.col(k);
-    const ContactForce f = evaluate(model_, column, system_.links(), Derivatives::without);
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k) {
+    const ContactPoint& point = state.contacts[k];
+    const ContactForce f = evaluate(model_, point, system_.links(), Derivatives::without);
     if (!(f.normal > 0)) continue;
     const double opening = (after[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)]) / dt,
-                 share = std::clamp(column[ContactRow::mass] * opening / f.normal, 0.0, 1.0),
-                 energy = share * f.energy;
+                 share = std::clamp(point.mass * opening / f.normal, 0.0, 1.0), energy = share * f.energy;
     released_.energy += energy;
     if (!(energy > released_.largest)) continue;
     released_.largest = energy;
     released_.depth = -f.gap;
-    released_.depth_share = -f.gap / thickness_at(model_, feature_of(column));
-    released_.shape_a = static_cast<int>(column[ContactRow::shape_a]);
-    released_.shape_b = static_cast<int>(column[ContactRow::shape_b]);
+    released_.depth_share = -f.gap / thickness_at(model_, point.feature);
+    released_.shape_a = point.feature.a;
+    released_.shape_b = point.feature.b;
   }
 }
 

@@ -92,10 +92,10 @@ double BodyContacts::tolerance(const ContactFeature& f) const {
 // contact.
 void BodyContacts::expect_apart(const State& state, double share, ErrorCode code, const char* what,
                                 const char* hint) const {
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const auto column = state.contacts.col(k);
-    const double depth = -evaluate(model_, column, system_.links(), Derivatives::without).gap;
-    const ContactFeature feature = feature_of(column);
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k) {
+    const auto& point = state.contacts[k];
+    const double depth = -evaluate(model_, point, system_.links(), Derivatives::without).gap;
+    const ContactFeature feature = point.feature;
     const double thinner = thickness_at(model_, feature);
     if (!(depth > share * thinner)) continue;
     throw Error(code,
@@ -232,28 +232,28 @@ std::optional<BodyContacts::Passage> BodyContacts::passed(double h) const {
   const auto add = [&](double time, Change change, std::size_t candidate) {
     if (!first || time < first->time) first = {time, change, candidate};
   };
-  for (std::size_t column = 0; column < candidates_.size(); ++column) {
-    const Gap &g0 = gaps_before_[column], &g1 = gaps_[column];
-    const ContactFeature& feature = candidates_[column].feature;
-    if (candidates_[column].column >= 0) {
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const Gap &g0 = gaps_before_[i], &g1 = gaps_[i];
+    const ContactFeature& feature = candidates_[i].feature;
+    if (candidates_[i].point >= 0) {
       if (std::abs(g1.off) > std::max(tolerance_, off_share * -g1.value))
-        add(std::max(0.0, h - g1.since), Change::follows, column);  // or it was so at the begin
+        add(std::max(0.0, h - g1.since), Change::follows, i);  // or it was so at the begin
       if (!(g0.value < 0 && g1.value > 0) || is_faint(feature, g1.rate, -g0.value)) continue;
       const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
       const double at = bisect(path);
-      if (at > early_end && at < late_end) add(h * at, Change::ends, column);
+      if (at > early_end && at < late_end) add(h * at, Change::ends, i);
       continue;
     }
     if (is_faint(feature, std::max(std::abs(g0.rate), std::abs(g1.rate)), -g1.value)) continue;
     // The depth over the step.
     const Cubic path{-g0.value, -h * g0.rate, -g1.value, -h * g1.rate};
-    if (g1.value < -candidates_[column].tolerance) {
+    if (g1.value < -candidates_[i].tolerance) {
       // Shapes that have just left each other move apart first.
       const double away = g0.rate > 0 ? bisect([&](double x) { return path.slope(x); }) : 0;
-      add(h * bisect(path, away), Change::begins, column);
+      add(h * bisect(path, away), Change::begins, i);
     } else if (g0.rate < 0 && g1.rate > 0) {
       const double t = bisect([&](double x) { return -path.slope(x); });
-      if (path(t) > candidates_[column].tolerance) add(h * t, Change::returns, column);
+      if (path(t) > candidates_[i].tolerance) add(h * t, Change::returns, i);
     }
   }
   return first;
@@ -286,7 +286,7 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
     double deepest = HUGE_VAL, rate = 0, near = tolerance_;
     for (std::size_t k = 0; k < candidates_.size(); ++k)
       if (const Gap& g = gaps_[k];
-          candidates_[k].column < 0 && g.value / candidates_[k].tolerance < deepest / near)
+          candidates_[k].point < 0 && g.value / candidates_[k].tolerance < deepest / near)
         deepest = g.value, rate = g.rate, near = candidates_[k].tolerance;
     if (first.change == Change::follows && deepest >= -near) {
       const Gap& g = gaps_[first.candidate];
@@ -316,8 +316,8 @@ double BodyContacts::cut(State& state, double h, const Passage& first, const Str
 
 double BodyContacts::shortest_period(const State& state) const {
   double shortest = HUGE_VAL;
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
-    shortest = std::min(shortest, state.contacts(ContactRow::period, k));
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k)
+    shortest = std::min(shortest, state.contacts[k].period);
   return shortest;
 }
 
@@ -325,14 +325,14 @@ double BodyContacts::shortest_period(const State& state) const {
 // those that ended so early in it that it was not cut there.
 double BodyContacts::resolving_step(const State& state, double h) const {
   double longest = HUGE_VAL;
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const auto column = state.contacts.col(k);
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k) {
+    const auto& point = state.contacts[k];
     const ContactMotion& begin = at_begin_[static_cast<std::size_t>(k)].motion;
     const Exchange& now = at_end_[static_cast<std::size_t>(k)];
     const bool flung = begin.gap < 0 && now.motion.gap > 2 * late_share * h * std::abs(now.motion.gap_rate);
     if (begin.gap > 0 && now.motion.gap > 0) continue;
-    if (((now.motion.gap < 0 || flung) && vibrates(column, now)) || is_impact(before_, column, now))
-      longest = std::min(longest, period(column, -now.motion.gap) / steps_per_vibration);
+    if (((now.motion.gap < 0 || flung) && vibrates(point, now)) || is_impact(before_, point, now))
+      longest = std::min(longest, period(point, -now.motion.gap) / steps_per_vibration);
   }
   return longest;
 }
@@ -346,17 +346,17 @@ double BodyContacts::longest_step(const State& state, double h) const {
     if (-gaps_before_[k].rate * longest > room) longest = room / -gaps_before_[k].rate;
   }
   // A rotation of a point with rolling friction is told from one in the other direction.
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    if (!(state.contacts(ContactRow::rolling_stiffness, k) > 0)) continue;
-    const auto V = [&](ContactRow::Row row) {
-      return link_of(model_, static_cast<int>(state.contacts(row, k)), system_.links()).V.head<3>();
-    };
-    const double w = (V(ContactRow::shape_b) - V(ContactRow::shape_a)).norm();
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k) {
+    const ContactPoint& point = state.contacts[k];
+    if (!(point.rolling.stiffness > 0)) continue;
+    const double w = (link_of(model_, point.feature.b, system_.links()).V.head<3>() -
+                      link_of(model_, point.feature.a, system_.links()).V.head<3>())
+                         .norm();
     if (w * longest > largest_turn) longest = largest_turn / w;
   }
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    if (!(state.contacts(ContactRow::stiffness, k) > 0)) continue;
-    const ContactFeature f = feature_of(state.contacts.col(k));
+  for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k) {
+    if (!(state.contacts[k].friction.stiffness > 0)) continue;
+    const ContactFeature f = state.contacts[k].feature;
     if (!(std::max(model_.contact.shape(f.a).radius, model_.contact.shape(f.b).radius) > 0)) continue;
     const Vector3d n = touch(model_, f, system_.links(), Derivatives::without).n,
                    w = (link_of(model_, f.b, system_.links()).V - link_of(model_, f.a, system_.links()).V)

@@ -102,10 +102,10 @@ class BodyContacts {
     ContactMotion motion;
     double normal = 0, power = 0, energy = 0;
     bool slides = false, rolls = false;
-    double square(const ContactColumn& column) const;
+    double square(const ContactPoint& point) const;
   };
   static Exchange exchange_of(const ContactForce& f);
-  double work(const ContactColumn& column, const Exchange& begin, const Exchange& end, double h) const;
+  double work(const ContactPoint& point, const Exchange& begin, const Exchange& end, double h) const;
 
   enum class Change {
     begins,   // a contact
@@ -122,8 +122,8 @@ class BodyContacts {
   // A feature that touches or may touch within the step.
   struct Candidate {
     ContactFeature feature;
-    Eigen::Index column = -1;  // of State::contacts; -1: it does not touch
-    double tolerance = 0;      // of its gap [m]
+    Eigen::Index point = -1;  // of State::contacts; -1: it does not touch
+    double tolerance = 0;     // of its gap [m]
   };
   using Gaps = std::vector<Gap>;
 
@@ -148,15 +148,15 @@ class BodyContacts {
   void expect_progress(double h, double taken, const std::optional<Passage>& first);
   void expect_outside() const;
   void expect_round_side(const ContactFeature& feature, double gap) const;
-  bool follow(State& state, const ContactFeature& feature, Eigen::Index column);
+  bool follow(State& state, const ContactFeature& feature, Eigen::Index point);
   double tolerance(const ContactFeature& feature) const;
-  void shorten(State& state, const ContactColumn& column);
+  void shorten(State& state, const ContactPoint& point);
   double faint_square(int a, int b) const;
   bool is_faint(const ContactFeature& feature, double rate, double depth) const;
   // A point in contact of a pair of shapes.
   struct OfPair {
     int a, b;
-    Eigen::Index column;
+    Eigen::Index point;
     auto operator<=>(const OfPair&) const = default;
   };
   using Range = std::span<const OfPair>;
@@ -187,29 +187,28 @@ class BodyContacts {
   static constexpr double steps_per_contact = 32;    // of the duration of an impact
   static constexpr double steps_per_vibration = 16;  // of half a period of a contact that vibrates
   static constexpr double growth = 2;                // of the steps after a contact
-  double period(const ContactColumn& column, double depth) const;
-  double impact_step(const ContactColumn& column, double since, double rate) const;
+  double period(const ContactPoint& point, double depth) const;
+  double impact_step(const ContactPoint& point, double since, double rate) const;
   // Sets the directions of the rolling spring, given in the world, on the two links.
   static void set_rolling_spring(const Vector3d& on_a, const Vector3d& on_b, const LinkMotion& a,
-                                 const LinkMotion& b, Eigen::Ref<ContactColumn> column);
+                                 const LinkMotion& b, ContactPoint& point);
   bool accept(State& state, double h);
   void make_ready(State& state, double h);
   void aim_springs(State& state, double h) const;
   void aim_rolling_springs(State& state, double h) const;
-  double move_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
-  double move_rolling_spring(const ContactForce& f, Eigen::Ref<ContactColumn> column) const;
+  double move_spring(const ContactForce& f, ContactPoint& point) const;
+  double move_rolling_spring(const ContactForce& f, ContactPoint& point) const;
   void lose(double energy, int shape_a, int shape_b);
   using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // on boundary bodies (6 x boundary bodies)
   void record(const State& state, std::vector<Exchange>& at, Wrenches& wrenches);
   void start_method(State& state);
   void integrate_wrenches(State& state, double h);
   double longest_step(const State& state, double h) const;
-  bool is_within_steps(const ContactColumn& column) const {
-    return model_.contact.within_steps(static_cast<int>(column[ContactRow::shape_a]),
-                                       static_cast<int>(column[ContactRow::shape_b]));
+  bool is_within_steps(const ContactPoint& point) const {
+    return model_.contact.within_steps(point.feature.a, point.feature.b);
   }
-  bool vibrates(const ContactColumn& column, const Exchange& now) const;
-  bool is_impact(const State& state, const ContactColumn& column, const Exchange& now) const;
+  bool vibrates(const ContactPoint& point, const Exchange& now) const;
+  bool is_impact(const State& state, const ContactPoint& point, const Exchange& now) const;
   double resolving_step(const State& state, double h) const;
   double shortest_period(const State& state) const;
 
@@ -248,11 +247,11 @@ class BodyContacts {
   struct Match {
     double distance;
     std::size_t feature;
-    Eigen::Index column;
+    Eigen::Index point;
     auto operator<=>(const Match&) const = default;
   };
   std::vector<Match> matches_;
-  std::vector<Eigen::Index> column_of_;  // negative: it does not touch (features_)
+  std::vector<Eigen::Index> point_of_;  // negative: it does not touch (features_)
   std::vector<Entry> entries_;
   std::vector<std::size_t> now_;               // entries that share a solution
   std::vector<int> machine_of_link_;           // none: ground (links)

@@ -146,15 +146,15 @@ bool BodyContacts::went_through() const {
 // the normal on a mesh has another direction: the body then approaches the surface at once, and the next
 // steps resolve it.
 bool BodyContacts::follow(State& state, const ContactFeature& feature, Eigen::Index index) {
-  auto column = state.contacts.col(index);
-  const ContactForce before = evaluate(model_, column, system_.links(), Derivatives::without);
-  set_feature(feature, column);
-  const ContactForce after = evaluate(model_, column, system_.links(), Derivatives::without);
+  auto& point = state.contacts[index];
+  const ContactForce before = evaluate(model_, point, system_.links(), Derivatives::without);
+  point.feature = feature;
+  const ContactForce after = evaluate(model_, point, system_.links(), Derivatives::without);
   lose(before.energy - after.energy, feature.a, feature.b);
   if (!feature.on_mesh) return false;
   const double jump = after.n.dot(after.velocity) - before.n.dot(before.velocity);
-  if (!(0.5 * column[ContactRow::mass] * jump * jump > least_jump * energy_scale_)) return false;
-  shorten(state, column);
+  if (!(0.5 * point.mass * jump * jump > least_jump * energy_scale_)) return false;
+  shorten(state, point);
   return true;
 }
 
