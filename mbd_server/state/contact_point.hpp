@@ -79,9 +79,9 @@ struct ContactPoint {
   double pressing_mass = 0;  // the largest that a point of the bodies feels that press each other here [kg]
   double entry_rate = 0;     // at which the shapes approached each other then [m/s]
   double entry_time = 0;     // [s]
-  double finest = 0;  // length to which Newton's method finds the gap [m]; 0: its own tolerance does
-  double period = 0;  // duration of an impact at that rate [s]; 0: it does not limit the steps
-  double last_depth = 0;  // Hertz: depth at the begin of the step [m]
+  double finest = 0;         // length to which Newton's method finds the gap [m]; 0: its own tolerance does
+  double period = 0;         // duration of an impact at that rate [s]; 0: it does not limit the steps
+  double last_depth = 0;     // Hertz: depth at the begin of the step [m]
   FrictionSpring friction;
   RollingSpring rolling;
 };

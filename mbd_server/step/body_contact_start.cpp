@@ -8,23 +8,30 @@
 #include "mbd_server/step/body_contacts.hpp"
 
 namespace tandem::mbd {
+namespace {
+
+// Largest overlap at the start, as a share of the thinner shape: loads at rest press shapes by less.
+constexpr double start_overlap = 0.1;
+
+}  // namespace
+
 void BodyContacts::prepare(State& state) {
   if (model_.contact.empty()) return;
   state.contacts.clear();
   state.touch_step.setZero(1);
   state.contact_wrench.setZero(6, std::ssize(model_.boundary));
   system_.residual(state);
-  find(state, 0);
+  candidates_.find(system_.links(), 0, state.contacts);
   expect_outside();
   enter_all(state, 0, true);
-  if (records_impulses_) record(state, at_begin_, state.contact_wrench);
+  ledger_.start_wrenches(state, system_.links());
   expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
                "move one of them: they would be thrown apart");
 }
 
 // Throws where a body starts inside a mesh, or a mesh inside a body.
 void BodyContacts::expect_outside() const {
-  for (const NearPair& pair : pairs_)
+  for (const NearPair& pair : candidates_.pairs())
     for (const auto& [m, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
       const ContactShape &mesh = model_.contact.shape(m), &body = model_.contact.shape(other);
       if (!mesh.mesh || body.points.empty() || body.kind == ContactShape::Kind::mesh) continue;
@@ -54,8 +61,8 @@ void BodyContacts::note_start(State& state, double h) {
   State ahead = state;
   ahead.time += dt;
   ahead.u += dt * state.udot;
-  unit_ = dt * state.u + 0.5 * dt * dt * state.udot;
-  system_.move(state.q, unit_, ahead.q);
+  moved_ = dt * state.u + 0.5 * dt * dt * state.udot;
+  system_.move(state.q, moved_, ahead.q);
   rates(ahead, after);
   system_.residual(state);
   for (Eigen::Index k = 0; k < std::ssize(state.contacts); ++k) {
