@@ -16,7 +16,7 @@ constexpr double resolved = 1e-3;
 // Points within the tolerance whose shapes approach each other, or are pressed together, come into contact,
 // and those that may do so within a step of length `ahead` that does not end there. Returns whether any of
 // them begins an impact that is not faint.
-bool BodyContacts::enter_all(State& state, double ahead, bool at_start) {
+bool BodyContacts::enter_all(State& state, double ahead, double uncut, bool at_start) {
   const auto& links = system_.links();
   entries_.clear();
   candidates_.enter_watched(links, at_start, [this](std::size_t candidate, double rate) {
@@ -32,11 +32,13 @@ bool BodyContacts::enter_all(State& state, double ahead, bool at_start) {
     const ContactFeature& f = candidates_[i].feature;
     const bool within = model_.contact.within_steps(f.a, f.b);
     const double near = candidates_[i].tolerance;
-    if (!(distance <= near + (within ? ahead * std::max(0.0, -rate) : 0))) continue;
-    if (rate > 0 && distance >= -near) continue;
+    const bool early = uncut > 0 && distance > near && rules_.may_begin(f, distance, rate, uncut) &&
+                       uncut <= rules_.uncut_step(f, rate);
+    if (!early && !(distance <= near + (within ? ahead * std::max(0.0, -rate) : 0))) continue;
+    if (!early && rate > 0 && distance >= -near) continue;
     candidates_.expect_round_side(f, distance);
     entries_.push_back({i, std::max(0.0, -rate)});
-    entries_.back().faint = within || (!at_start && rate * rate < rules_.faint_square(f.a, f.b));
+    entries_.back().faint = within || early || (!at_start && rate * rate < rules_.faint_square(f.a, f.b));
   }
   if (!entries_.empty()) masses_.find(candidates_, entries_);
   for (const ContactEntry& entry : entries_) enter(state, entry);
@@ -99,7 +101,7 @@ bool BodyContacts::accept(State& state, double h) {
   const auto& links = system_.links();
   double longest = HUGE_VAL;
   const bool any = !state.contacts.empty();
-  bool impact_ended = false;
+  bool impact_ended = false, uncut = false;
   extremes_ = {};
   std::vector<Eigen::Index> kept;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -115,11 +117,16 @@ bool BodyContacts::accept(State& state, double h) {
     extremes_.force = std::max(extremes_.force, f.normal);
     if (const double share = -f.gap / thickness_at(model_, candidate.feature); share > extremes_.depth_share)
       extremes_.depth_share = share, extremes_.shape_a = shape_a, extremes_.shape_b = shape_b;
-    const bool open = f.gap > 0;
-    if (open && !rules_.returns_faintly(candidate.feature, f.gap, gaps_[i].rate)) {
+    const bool open = f.gap > 0, touched = begin.motion.gap <= candidate.tolerance,
+               is_uncut = h <= rules_.uncut_step(point);
+    uncut |= is_uncut && open == touched;
+    const bool may_begin =
+        open && !touched && is_uncut && rules_.may_begin(candidate.feature, f.gap, gaps_[i].rate, h);
+    if (open && !may_begin && !rules_.returns_faintly(candidate.feature, f.gap, gaps_[i].rate)) {
       ledger_.lose(begin.energy - done, shape_a, shape_b);
       candidate.point = -1;
-      impact_ended |= h <= ContactRules::coarsest * point.period / ContactRules::steps_per_contact &&
+      impact_ended |= !is_uncut &&
+                      h <= ContactRules::coarsest * point.period / ContactRules::steps_per_contact &&
                       !rules_.is_faint(candidate.feature, gaps_[i].rate, -gaps_before_[i].value);
       continue;
     }
@@ -129,7 +136,9 @@ bool BodyContacts::accept(State& state, double h) {
     if (law.hertz) point.period = rules_.period(point, -f.gap);
     const double since = state.time - point.entry_time,
                  entry_rate = since <= point.period ? point.entry_rate : 0;
-    if (open)
+    if (may_begin)
+      point.entry_rate = std::max(0.0, -gaps_[i].rate), point.entry_time = state.time;
+    else if (open)
       point.entry_rate = std::min(point.entry_rate, std::abs(gaps_[i].rate));
     else if (rules_.is_impact(state.time, point, end))
       longest = std::min(
@@ -146,7 +155,7 @@ bool BodyContacts::accept(State& state, double h) {
   if (any) ++counters_.steps;
   double& touch_step = state.touch_step[0];
   if (touch_step == 0 && longest == HUGE_VAL) return impact_ended;
-  touch_step = std::min(touch_step > 0 ? ContactRules::growth * touch_step : HUGE_VAL, longest);
+  touch_step = std::min(touch_step > 0 ? (uncut ? 1 : ContactRules::growth) * touch_step : HUGE_VAL, longest);
   if (touch_step >= requested_) touch_step = 0;
   return impact_ended;
 }

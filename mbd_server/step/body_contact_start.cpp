@@ -23,7 +23,7 @@ void BodyContacts::prepare(State& state) {
   system_.residual(state);
   candidates_.find(system_.links(), 0, state.contacts);
   expect_outside();
-  enter_all(state, 0, true);
+  enter_all(state, 0, 0, true);
   ledger_.start_wrenches(state, system_.links());
   expect_apart(state, start_overlap, ErrorCode::scene, "overlap at the start",
                "move one of them: they would be thrown apart");

@@ -18,6 +18,10 @@ constexpr double least_halved = 1e-3;
 // points, are an error.
 constexpr double least_progress = 1e-14;
 constexpr int most_stalled = 100;
+// A step that passes begins or ends of contacts of so many pairs is not cut at the first of them, where steps
+// between these shares of its length need no cut at any of them.
+constexpr int many = 3;
+constexpr double worthwhile = 0.1, shorter = 0.9;
 
 double shortest_period(const State& state) {
   double shortest = HUGE_VAL;
@@ -63,10 +67,12 @@ void BodyContacts::expect_apart(const State& state, double share, ErrorCode code
 double BodyContacts::step(State& state, double h, const Stride& stride) {
   if (model_.contact.empty()) return stride(h);
   system_.residual(state);
-  candidates_.find(system_.links(), h, state.contacts);
+  rules_.look_at(state.contacts);
+  const double room = rules_.crowded() && state.touch_step[0] > 0 ? std::min(h, state.touch_step[0]) : h;
+  candidates_.find(system_.links(), room, state.contacts);
   if (candidates_.turned()) shorten(state, *candidates_.turned());
   system_.residual(state);
-  if (enter_all(state, h) || candidates_.turned()) start_method(state);
+  if (enter_all(state, h, room) || candidates_.turned()) start_method(state);
   measure(state, gaps_before_);
   candidates_.mark_balls(system_.links());
   before_ = state;
@@ -93,8 +99,16 @@ double BodyContacts::step(State& state, double h, const Stride& stride) {
       go_back(state);
       continue;
     }
-    const std::optional<ContactPassage> first =
-        first_passage(candidates_, rules_, gaps_before_, gaps_, taken);
+    const ContactPassages passages =
+        find_passages(candidates_, rules_, state.contacts, gaps_before_, gaps_, taken);
+    const auto& first = passages.first;
+    // One shorter step instead of one for each of these contacts.
+    if (passages.pairs >= many && passages.uncut_step > worthwhile * taken &&
+        passages.uncut_step < shorter * taken) {
+      go_back(state);
+      state.touch_step[0] = passages.uncut_step;
+      return step(state, h, stride);
+    }
     if (first) taken = cut(state, taken, *first, stride);
     expect_progress(h, taken, first);
     ledger_.record_end(state, system_.links());

@@ -97,7 +97,9 @@ class BodyContacts {
   void go_back(State& state);
   double repeat(State& state, double h, const Stride& stride);
   double cut(State& state, double h, const ContactPassage& first, const Stride& stride);
-  bool enter_all(State& state, double ahead = 0, bool at_start = false);
+  // `ahead`: longest step in which points within steps may begin; `uncut`: the same, where impacts are
+  // resolved.
+  bool enter_all(State& state, double ahead = 0, double uncut = 0, bool at_start = false);
   void enter(State& state, const ContactEntry& entry);
   void shorten(State& state, double longest) const;
   bool accept(State& state, double h);

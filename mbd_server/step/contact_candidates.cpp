@@ -40,8 +40,7 @@ void ContactCandidates::find(const std::vector<LinkMotion>& links, double h,
     double depth = 0;
     if (one.mesh || two.mesh) {
       if (h == 0) depth = std::min(one.bound, two.bound);
-      for (const OfPair& of : of_this)
-        depth = std::max(depth, -gap(model_, points[of.point].feature, links));
+      for (const OfPair& of : of_this) depth = std::max(depth, -gap(model_, points[of.point].feature, links));
     }
     find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_, depth);
     match(links, points, of_this);

@@ -27,37 +27,48 @@ constexpr double through = 0.5;
 
 }  // namespace
 
-std::optional<ContactPassage> first_passage(const ContactCandidates& candidates, const ContactRules& rules,
-                                            const ContactGaps& before, const ContactGaps& after, double h) {
-  std::optional<ContactPassage> first;
-  const auto add = [&](double time, ContactChange change, std::size_t candidate) {
-    if (!first || time < first->time) first = {time, change, candidate};
+ContactPassages find_passages(const ContactCandidates& candidates, const ContactRules& rules,
+                              const std::vector<ContactPoint>& points, const ContactGaps& before,
+                              const ContactGaps& after, double h) {
+  ContactPassages all;
+  all.uncut_step = h;
+  ShapePair last;  // candidates are sorted by pairs
+  const auto add = [&](double time, ContactChange change, std::size_t candidate, double uncut_step) {
+    if (!all.first || time < all.first->time) all.first = {time, change, candidate};
+    const ShapePair pair = pair_of(candidates[candidate].feature);
+    all.pairs += pair != last;
+    last = pair;
+    all.uncut_step = std::min(all.uncut_step, uncut_step);
   };
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const ContactGap &g0 = before[i], &g1 = after[i];
     const ContactFeature& feature = candidates[i].feature;
     if (candidates[i].point >= 0) {
       if (std::abs(g1.off) > std::max(rules.tolerance(), off_share * -g1.value))
-        add(std::max(0.0, h - g1.since), ContactChange::follows, i);  // or it was so at the begin
+        add(std::max(0.0, h - g1.since), ContactChange::follows, i, 0);  // or it was so at the begin
       if (!(g0.value < 0 && g1.value > 0) || rules.is_faint(feature, g1.rate, -g0.value)) continue;
+      const double uncut = rules.uncut_step(points[static_cast<std::size_t>(candidates[i].point)]);
+      if (h <= uncut) continue;
       const Cubic path{g0.value, h * g0.rate, g1.value, h * g1.rate};
       const double at = bisect(path);
-      if (at > early_end && at < late_end) add(h * at, ContactChange::ends, i);
+      if (at > early_end && at < late_end) add(h * at, ContactChange::ends, i, uncut);
       continue;
     }
-    if (rules.is_faint(feature, std::max(std::abs(g0.rate), std::abs(g1.rate)), -g1.value)) continue;
+    const double rate = std::max(std::abs(g0.rate), std::abs(g1.rate));
+    if (rules.is_faint(feature, rate, -g1.value)) continue;
     // The depth over the step.
     const Cubic path{-g0.value, -h * g0.rate, -g1.value, -h * g1.rate};
     if (g1.value < -candidates[i].tolerance) {
       // Shapes that have just left each other move apart first.
       const double away = g0.rate > 0 ? bisect([&](double x) { return path.slope(x); }) : 0;
-      add(h * bisect(path, away), ContactChange::begins, i);
+      add(h * bisect(path, away), ContactChange::begins, i, rules.uncut_step(feature, rate));
     } else if (g0.rate < 0 && g1.rate > 0) {
       const double t = bisect([&](double x) { return -path.slope(x); });
-      if (path(t) > candidates[i].tolerance) add(h * t, ContactChange::returns, i);
+      if (path(t) > candidates[i].tolerance)
+        add(h * t, ContactChange::returns, i, rules.uncut_step(feature, rate));
     }
   }
-  return first;
+  return all;
 }
 
 StepCut::StepCut(const ContactPassage& first, const ContactCandidates& candidates, const ContactRules& rules,
@@ -135,8 +146,8 @@ double longest_step(const Model& model, const std::vector<LinkMotion>& links, co
   return longest;
 }
 
-double resolving_step(const ContactRules& rules, const ContactLedger& ledger, const State& state, double begin,
-                      double h) {
+double resolving_step(const ContactRules& rules, const ContactLedger& ledger, const State& state,
+                      double begin, double h) {
   double longest = HUGE_VAL;
   for (std::size_t k = 0; k < state.contacts.size(); ++k) {
     const ContactPoint& point = state.contacts[k];

@@ -21,9 +21,17 @@ struct ContactPassage {
   std::size_t candidate = 0;
 };
 
-// Estimates when a step of length h, between these gaps, passes the first begin or end of a contact.
-std::optional<ContactPassage> first_passage(const ContactCandidates& candidates, const ContactRules& rules,
-                                            const ContactGaps& before, const ContactGaps& after, double h);
+struct ContactPassages {
+  std::optional<ContactPassage> first;
+  int pairs = 0;          // of shapes, with any
+  double uncut_step = 0;  // that passes all of them without a cut [s]
+};
+
+// Estimates when a step of length h, between these gaps, passes the begins and ends of contacts at which it
+// has to end.
+ContactPassages find_passages(const ContactCandidates& candidates, const ContactRules& rules,
+                              const std::vector<ContactPoint>& points, const ContactGaps& before,
+                              const ContactGaps& after, double h);
 
 // The search for the length of a step that ends at a passage: begins are found to the tolerance; a step may
 // pass an end by a small share of its length.
@@ -53,7 +61,7 @@ double longest_step(const Model& model, const std::vector<LinkMotion>& links, co
 
 // Longest step that resolves the vibrations and impacts of a step of length h that began at `begin` [s]:
 // those at its end, and those that ended so early in it that it was not cut there.
-double resolving_step(const ContactRules& rules, const ContactLedger& ledger, const State& state, double begin,
-                      double h);
+double resolving_step(const ContactRules& rules, const ContactLedger& ledger, const State& state,
+                      double begin, double h);
 
 }  // namespace tandem::mbd

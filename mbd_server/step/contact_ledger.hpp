@@ -19,8 +19,8 @@ struct ContactExtremes {
 
 class ContactLedger {
  public:
-  using Exchanges = std::vector<ContactExchange>;               // (points in contact)
-  using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;    // on boundary bodies (6 x boundary bodies)
+  using Exchanges = std::vector<ContactExchange>;             // (points in contact)
+  using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // on boundary bodies (6 x boundary bodies)
 
   explicit ContactLedger(const Model& model);
 

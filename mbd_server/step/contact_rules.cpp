@@ -1,5 +1,6 @@
 #include "mbd_server/step/contact_rules.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -22,6 +23,17 @@ constexpr double sudden = 0.125;
 constexpr double coarser_from = 1e3;
 // Impacts that end again last one to some durations of one without loads.
 constexpr double lasting = 10;
+// Points of so many pairs are many.
+constexpr std::ptrdiff_t crowd = 8;
+
+// Joints and other bodies only add to it.
+double least_mass(const Model& model, const ContactShape& shape) {
+  const Link& link = model.links[static_cast<std::size_t>(shape.link)];
+  if (!(link.mass > 0) || shape.kind == ContactShape::Kind::plane) return 0;
+  const double inertia = Eigen::SelfAdjointEigenSolver<Matrix3d>(link.inertia).eigenvalues()[0],
+               lever = (shape.centre - link.com).norm() + shape.bound;
+  return 1 / (1 / link.mass + lever * lever / inertia);
+}
 
 }  // namespace
 
@@ -34,6 +46,7 @@ ContactRules::ContactRules(const Model& model)
     const double square = moves ? 2 * faint_fall * g * shape.bound : HUGE_VAL;
     faint_square_.push_back(square);
     faint_energy_.push_back(moves ? 0.5 * mass * square : HUGE_VAL);
+    least_masses_.push_back(shape.link == 0 ? HUGE_VAL : least_mass(model, shape));
     weights_.push_back(moves ? mass * g : HUGE_VAL);
   }
 }
@@ -45,9 +58,13 @@ double ContactRules::tolerance(const ContactFeature& f) const {
   return std::clamp(weight_share * depth_of(model_.contact.law(f.a, f.b), weight), least_, tolerance_);
 }
 
-double ContactRules::faint_square(int a, int b) const {
+bool ContactRules::is_elastic(int a, int b) const {
   static const double least = damping_number(most_elastic);
-  if (model_.contact.law(a, b).damping_number < least) return 0;
+  return model_.contact.law(a, b).damping_number < least;
+}
+
+double ContactRules::faint_square(int a, int b) const {
+  if (is_elastic(a, b)) return 0;
   return std::min(faint_square_[static_cast<std::size_t>(a)], faint_square_[static_cast<std::size_t>(b)]);
 }
 
@@ -60,6 +77,36 @@ bool ContactRules::is_faint(const ContactFeature& f, double rate, double depth) 
 
 bool ContactRules::returns_faintly(const ContactFeature& f, double gap, double rate) const {
   return !f.on_mesh && rate * rate + 2 * model_.gravity.norm() * gap < faint_square(f.a, f.b);
+}
+
+void ContactRules::look_at(const std::vector<ContactPoint>& points) {
+  std::vector<ShapePair> pairs;
+  for (const ContactPoint& point : points) pairs.push_back(pair_of(point.feature));
+  std::sort(pairs.begin(), pairs.end());
+  crowded_ = std::unique(pairs.begin(), pairs.end()) - pairs.begin() >= crowd;
+}
+
+// Without the cut, the force that begins within a step acts as one that rises over the whole step: the error
+// of its impulse is at most k (1 + c v) v h^2 / 8, a share (1 + c v) (pi h / period)^2 / 8 of m v.
+double ContactRules::uncut_step(const ContactFeature& f, double rate) const {
+  if (!may_pass(f)) return 0;
+  const double mass = 1 / (1 / least_masses_[static_cast<std::size_t>(f.a)] +
+                           1 / least_masses_[static_cast<std::size_t>(f.b)]);
+  if (!(mass > 0)) return 0;
+  const ContactLaw law = model_.contact.law(f.a, f.b);
+  return half_period(law, mass, std::max(tolerance_, impact_depth(law, mass, rate))) / steps_uncut;
+}
+
+double ContactRules::uncut_step(const ContactPoint& point) const {
+  return may_pass(point.feature) ? point.period / steps_uncut : 0;
+}
+
+bool ContactRules::may_pass(const ContactFeature& f) const {
+  return crowded_ && !f.on_mesh && !is_within_steps(f) && !is_elastic(f.a, f.b);
+}
+
+bool ContactRules::may_begin(const ContactFeature& f, double gap, double rate, double h) const {
+  return gap <= tolerance(f) + 2 * h * std::max(0.0, -rate) + h * h * model_.gravity.norm();
 }
 
 double ContactRules::period(const ContactPoint& point, double depth) const {

@@ -22,6 +22,7 @@ class ContactRules {
  public:
   static constexpr double steps_per_contact = 32;    // of the duration of an impact
   static constexpr double steps_per_vibration = 16;  // of half a period of a contact that vibrates
+  static constexpr double steps_uncut = 48;          // of an impact that may begin and end within a step
   static constexpr double growth = 2;                // of the steps after a contact
   // The steps of an impact grow as its rate falls below that of a fall through a share of the size of the
   // body: to this many times.
@@ -48,6 +49,18 @@ class ContactRules {
   // energy of its depth for nothing.
   bool returns_faintly(const ContactFeature& f, double gap, double rate) const;
 
+  // Notes whether points of many pairs are in contact at the begin of the step. Only then may impacts begin
+  // and end within steps, of materials that lose half of the energy: those of few bodies are cut, each at its
+  // instant.
+  void look_at(const std::vector<ContactPoint>& points);
+  bool crowded() const { return crowded_; }
+  // Longest step within which an impact of these shapes at that rate may begin and end: it moves the body by
+  // less than the least that it may weigh there would do for a small part of the impact. 0: none [s].
+  double uncut_step(const ContactFeature& f, double rate) const;
+  double uncut_step(const ContactPoint& point) const;
+  // Whether the shapes may come into contact within a step of that length.
+  bool may_begin(const ContactFeature& f, double gap, double rate, double h) const;
+
   bool is_within_steps(const ContactFeature& f) const { return model_.contact.within_steps(f.a, f.b); }
   // Duration of an impact as deep as the point was at the most, now or before [s].
   double period(const ContactPoint& point, double depth) const;
@@ -61,11 +74,18 @@ class ContactRules {
   bool vibrates(const ContactPoint& point, const ContactExchange& now) const;
 
  private:
+  bool is_elastic(int a, int b) const;  // what steps leave out of an impact would add up
+  bool may_pass(const ContactFeature& f) const;
+
   const Model& model_;
   double tolerance_, least_, energy_scale_ = 0;
+  bool crowded_ = false;
   // Square of the rate below which an impact of that shape is faint, and the energy then; infinite: it is on
   // the ground [m2/s2], [J] (shapes).
   std::vector<double> faint_square_, faint_energy_;
+  // Least mass that a point on the surface may feel: that of its body without others. Infinite: ground; 0:
+  // unknown [kg] (shapes).
+  std::vector<double> least_masses_;
   std::vector<double> weights_;  // of the body of each shape; infinite: ground [N] (shapes)
 };
 
