@@ -128,7 +128,8 @@ void FreeBodies::plan() {
     Pair pair{place_of_[a], place_of_[b], none};
     const auto [low, high] = std::minmax(pair.a, pair.b);
     pair.upper = static_cast<int>(
-        std::lower_bound(later_.begin() + first_[low], later_.begin() + first_[low + 1], high) - later_.begin());
+        std::lower_bound(later_.begin() + first_[low], later_.begin() + first_[low + 1], high) -
+        later_.begin());
     pairs_.push_back(pair);
   }
 }
@@ -160,8 +161,8 @@ Eigen::Index FreeBodies::factorise(const std::vector<ContactPairBlocks>* blocks)
       const auto& [a, b] = touching_[k];
       const ContactPairBlocks& pair = (*blocks)[k];
       const auto rows = [&](int of, const Matrix6d& by, const Matrix6d& by_velocity, int other) {
-        const Matrix6d f = by.lazyProduct(Y_[other].topRows<6>()) +
-                           by_velocity.lazyProduct(Y_[other].bottomRows<6>());
+        const Matrix6d f =
+            by.lazyProduct(Y_[other].topRows<6>()) + by_velocity.lazyProduct(Y_[other].bottomRows<6>());
         return Matrix6d(S_[of].transpose().lazyProduct(f));
       };
       const Matrix6d of_b = -rows(b, pair.by_first, Matrix6d(-pair.by_velocity), a),

@@ -1,6 +1,6 @@
 // Free bodies that touch only each other and what does not move: their part of the iteration matrix has six
-// unknowns for each body and a block for each pair in contact, A_ii x_i + sum A_ij x_j = r_i. It is factorised
-// by itself, sparse, in an order that follows from the pairs alone.
+// unknowns for each body and a block for each pair in contact, A_ii x_i + sum A_ij x_j = r_i. It is
+// factorised by itself, sparse, in an order that follows from the pairs alone.
 //
 // With the blocks of linearisation.hpp, the rows of a body are S^T f, f = K Y x + what its pairs add by the
 // motion of the other body.
@@ -49,18 +49,18 @@ class FreeBodies {
 
   const Model& model_;
   std::vector<Body> bodies_;
-  std::vector<int> body_of_;  // of the rotation (links); none: it is of no free body
-  std::vector<bool> active_;  // (links)
+  std::vector<int> body_of_;                   // of the rotation (links); none: it is of no free body
+  std::vector<bool> active_;                   // (links)
   std::vector<std::pair<int, int>> touching_;  // bodies; of the pairs that are solved here
   // The order: place of each body, and the body at each place. Places without pairs come last.
   std::vector<int> place_of_, at_place_;
   std::vector<int> first_, later_;  // the later places that a place is coupled to (places + 1), (entries)
   std::vector<Pair> pairs_;
-  bool coupled_ = false;                     // in the last factorise()
-  std::vector<Matrix6d> diagonal_, S_;       // (bodies)
+  bool coupled_ = false;                         // in the last factorise()
+  std::vector<Matrix6d> diagonal_, S_;           // (bodies)
   std::vector<Eigen::Matrix<double, 12, 6>> Y_;  // displacement and change of velocity (bodies)
-  std::vector<Matrix6d> upper_, lower_;      // (entries)
-  std::vector<Vector6d> right_;              // (places)
+  std::vector<Matrix6d> upper_, lower_;          // (entries)
+  std::vector<Vector6d> right_;                  // (places)
 };
 
 }  // namespace tandem::mbd
