@@ -85,13 +85,13 @@ double half_period(const ContactLaw& law, double mass, double depth) {
   return std::numbers::pi * std::sqrt(mass / normal_stiffness(law, depth));
 }
 
-AlongFactors along_factors(const ContactLaw& law, const ContactColumn& column, double depth) {
+AlongFactors along_factors(const ContactLaw& law, const ContactPoint& point, double depth) {
   AlongFactors f;
   if (!law.hertz) return f;
   if (!(depth > 0)) return {.stiffness = 0, .damping = 0};
   f.stiffness = std::sqrt(depth), f.damping = std::sqrt(f.stiffness);
   f.stiffness_change = f.stiffness / (2 * depth), f.damping_change = f.damping / (4 * depth);
-  if (const double last = column[ContactRow::last_depth]; last < depth) {
+  if (const double last = point.last_depth; last < depth) {
     const double kept = std::sqrt(last / depth);
     f.stiffer = 1 - kept, f.stiffer_change = kept / (2 * depth);
   }
@@ -110,13 +110,11 @@ double rolling_radius(const ContactFeature& feature) {
   return curvature > 0 ? 1 / curvature : 0;
 }
 
-double power(const Model& model, const ContactColumn& column, const ContactMotion& motion,
+double power(const Model& model, const ContactPoint& point, const ContactMotion& motion,
              std::optional<double> pressing) {
-  const ContactLaw law = model.contact.law(static_cast<int>(column[ContactRow::shape_a]),
-                                           static_cast<int>(column[ContactRow::shape_b]));
-  const double normal = normal_force(law, -motion.gap, motion.gap_rate, column[ContactRow::entry_rate],
-                                     column[ContactRow::pressing_mass])
-                            .force;
+  const ContactLaw law = model.contact.law(point.feature.a, point.feature.b);
+  const double normal =
+      normal_force(law, -motion.gap, motion.gap_rate, point.entry_rate, point.pressing_mass).force;
   // Of a spring and a damper that give at most `most`.
   const auto of = [](double k, double c, const Vector3d& stretch, const Vector3d& rate, double most) {
     const Vector3d trial = -k * stretch - c * rate;
@@ -124,45 +122,18 @@ double power(const Model& model, const ContactColumn& column, const ContactMotio
     return (size > most ? most / size : 1) * trial.dot(rate);
   };
   const double bound = pressing.value_or(normal);
-  const AlongFactors along = along_factors(law, column, -motion.gap);
+  const AlongFactors along = along_factors(law, point, -motion.gap);
   return normal * motion.gap_rate +
-         of(along.stiffness * column[ContactRow::stiffness], along.damping * column[ContactRow::damping],
+         of(along.stiffness * point.friction.stiffness, along.damping * point.friction.damping,
             motion.stretch - along.stiffer * motion.last_stretch, motion.sliding, law.friction * bound) +
-         of(along.stiffness * column[ContactRow::rolling_stiffness],
-            along.damping * column[ContactRow::rolling_damping],
+         of(along.stiffness * point.rolling.stiffness, along.damping * point.rolling.damping,
             motion.bend - along.stiffer * motion.last_bend, motion.rolling,
-            law.rolling_friction * column[ContactRow::rolling_radius] * bound);
+            law.rolling_friction * point.rolling.radius * bound);
 }
 
-ContactFeature feature_of(const ContactColumn& column) {
-  ContactFeature f;
-  f.a = static_cast<int>(column[ContactRow::shape_a]), f.b = static_cast<int>(column[ContactRow::shape_b]);
-  f.kind = static_cast<ContactFeature::Kind>(column[ContactRow::kind]);
-  f.code = static_cast<std::int64_t>(column[ContactRow::code]);
-  f.by_place = column[ContactRow::by_place] != 0;
-  f.on_mesh = column[ContactRow::on_mesh] != 0;
-  f.face = static_cast<int>(column[ContactRow::face]);
-  f.place_a = column.segment<3>(ContactRow::place_a), f.axis_a = column.segment<3>(ContactRow::axis_a);
-  f.place_b = column.segment<3>(ContactRow::place_b), f.axis_b = column.segment<3>(ContactRow::axis_b);
-  f.radius_a = column[ContactRow::radius_a], f.radius_b = column[ContactRow::radius_b];
-  return f;
-}
-
-void set_feature(const ContactFeature& f, Eigen::Ref<ContactColumn> column) {
-  column[ContactRow::shape_a] = f.a, column[ContactRow::shape_b] = f.b;
-  column[ContactRow::kind] = static_cast<double>(f.kind);
-  column[ContactRow::code] = static_cast<double>(f.code);
-  column[ContactRow::by_place] = f.by_place;
-  column[ContactRow::on_mesh] = f.on_mesh;
-  column[ContactRow::face] = f.face;
-  column.segment<3>(ContactRow::place_a) = f.place_a, column.segment<3>(ContactRow::axis_a) = f.axis_a;
-  column.segment<3>(ContactRow::place_b) = f.place_b, column.segment<3>(ContactRow::axis_b) = f.axis_b;
-  column[ContactRow::radius_a] = f.radius_a, column[ContactRow::radius_b] = f.radius_b;
-}
-
-ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
+ContactForce evaluate(const Model& model, const ContactPoint& point, const std::vector<LinkMotion>& links,
                       Derivatives derivatives) {
-  const ContactFeature feature = feature_of(column);
+  const ContactFeature feature = point.feature;
   const LinkMotion &a = link_of(model, feature.a, links), &b = link_of(model, feature.b, links);
   const ContactLaw law = model.contact.law(feature.a, feature.b);
   const Touch t = touch(model, feature, links, derivatives);
@@ -173,40 +144,35 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
   const Vector6d V = b.V - a.V;
   f.velocity = at_point(V, p);
   const double gap_rate = n.dot(f.velocity);
-  const NormalForce normal =
-      normal_force(law, -t.gap, gap_rate, column[ContactRow::entry_rate], column[ContactRow::pressing_mass]);
+  const NormalForce normal = normal_force(law, -t.gap, gap_rate, point.entry_rate, point.pressing_mass);
   f.normal = normal.force;
   f.energy = normal_energy(law, -t.gap);
 
-  const AlongFactors along = along_factors(law, column, -t.gap);
-  const double k = along.stiffness * column[ContactRow::stiffness],
-               c = along.damping * column[ContactRow::damping];
-  const Vector3d x_a = a.point(column.segment<3>(ContactRow::on_a)),
-                 x_b = b.point(column.segment<3>(ContactRow::on_b)), s = x_b - x_a;
+  const AlongFactors along = along_factors(law, point, -t.gap);
+  const double k = along.stiffness * point.friction.stiffness, c = along.damping * point.friction.damping;
+  const Vector3d x_a = a.point(point.friction.on_a), x_b = b.point(point.friction.on_b), s = x_b - x_a;
   const double along_n = n.dot(s);
   f.stretch = s - along_n * n;
   if (law.hertz) {
     f.stiffer = along.stiffer;
-    f.last_stretch = a.R_WL * column.segment<3>(ContactRow::last_stretch);
-    f.last_bend = a.R_WL * column.segment<3>(ContactRow::last_bend);
+    f.last_stretch = a.R_WL * point.friction.last_stretch;
+    f.last_bend = a.R_WL * point.rolling.last_bend;
   }
   f.energy += 0.5 * k * f.spring_stretch().squaredNorm();
 
-  const double k_r = along.stiffness * column[ContactRow::rolling_stiffness],
-               c_r = along.damping * column[ContactRow::rolling_damping];
-  const bool may_roll = column[ContactRow::rolling_stiffness] > 0;
+  const double k_r = along.stiffness * point.rolling.stiffness, c_r = along.damping * point.rolling.damping;
+  const bool may_roll = point.rolling.stiffness > 0;
   Vector3d d_a, d_b;  // the directions on the two links: a rotation w changes d by w x d
   const Vector3d w = V.head<3>();
   if (may_roll) {
-    d_a = a.R_WL * column.segment<3>(ContactRow::roll_a),
-    d_b = b.R_WL * column.segment<3>(ContactRow::roll_b);
+    d_a = a.R_WL * point.rolling.on_a, d_b = b.R_WL * point.rolling.on_b;
     f.bend = n.cross(d_b - d_a);
     f.rolling = w - n.dot(w) * n;
     f.energy += 0.5 * k_r * f.spring_bend().squaredNorm();
   }
   if (!(f.normal > 0)) return f;
   const double most = law.friction * f.normal,
-               most_rolling = law.rolling_friction * column[ContactRow::rolling_radius] * f.normal;
+               most_rolling = law.rolling_friction * point.rolling.radius * f.normal;
   f.force = f.normal * n;
   if (derivatives == Derivatives::without) {
     const auto bounded = [](const Vector3d& trial, double limit, bool& beyond) {
@@ -255,8 +221,8 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
     };
     Bounded friction{-k * f.spring_stretch() - c * v_t, change(-at_point_matrix(x_a), dv_a, t.dn_a),
                      change(at_point_matrix(x_b), dv_b, t.dn_b), -c * across * L};
-    add_change_by_depth(friction, column[ContactRow::stiffness], column[ContactRow::damping],
-                        f.spring_stretch(), f.last_stretch, v_t);
+    add_change_by_depth(friction, point.friction.stiffness, point.friction.damping, f.spring_stretch(),
+                        f.last_stretch, v_t);
     f.slides = friction.bound(law.friction, f.normal, dN_a, dN_b, dN_v);
     f.friction = friction.value;
     f.force += f.friction;
@@ -279,10 +245,9 @@ ContactForce evaluate(const Model& model, const ContactColumn& column, const std
     by_velocity.leftCols<3>() = -c_r * across;
     Bounded moment{-k_r * f.spring_bend() - c_r * f.rolling, change(skew(d_a), turn_a.topRows<3>(), t.dn_a),
                    change(-skew(d_b), -turn_b.topRows<3>(), t.dn_b), by_velocity};
-    add_change_by_depth(moment, column[ContactRow::rolling_stiffness], column[ContactRow::rolling_damping],
-                        f.spring_bend(), f.last_bend, f.rolling);
-    f.rolls =
-        moment.bound(law.rolling_friction * column[ContactRow::rolling_radius], f.normal, dN_a, dN_b, dN_v);
+    add_change_by_depth(moment, point.rolling.stiffness, point.rolling.damping, f.spring_bend(), f.last_bend,
+                        f.rolling);
+    f.rolls = moment.bound(law.rolling_friction * point.rolling.radius, f.normal, dN_a, dN_b, dN_v);
     f.torque = moment.value;
     f.by_a.topRows<3>() += moment.by_a;
     f.by_b.topRows<3>() += moment.by_b;

@@ -57,21 +57,16 @@ struct ContactForce {
   Matrix6d by_a, by_b, by_velocity;
 };
 
-// Feature of a point in contact, a column of State::contacts, and the reverse.
-using ContactColumn = Eigen::Matrix<double, ContactRow::count, 1>;
-ContactFeature feature_of(const ContactColumn& column);
-void set_feature(const ContactFeature& feature, Eigen::Ref<ContactColumn> column);
-
-ContactForce evaluate(const Model& model, const ContactColumn& column, const std::vector<LinkMotion>& links,
+ContactForce evaluate(const Model& model, const ContactPoint& point, const std::vector<LinkMotion>& links,
                       Derivatives derivatives = Derivatives::with);
 
-// Springs and dampers along the surfaces at a depth: their stiffness and damping are those of the column
+// Springs and dampers along the surfaces at a depth: their stiffness and damping are those of the point
 // times these factors. Changes are per depth.
 struct AlongFactors {
   double stiffness = 1, damping = 1, stiffer = 0;
   double stiffness_change = 0, damping_change = 0, stiffer_change = 0;
 };
-AlongFactors along_factors(const ContactLaw& law, const ContactColumn& column, double depth);
+AlongFactors along_factors(const ContactLaw& law, const ContactPoint& point, double depth);
 
 // Radius R* of the rolling friction at a feature [m]; 0: none of its surfaces is round.
 double rolling_radius(const ContactFeature& feature);
@@ -85,7 +80,7 @@ struct ContactMotion {
 };
 // Power of the force and moment at a point on the two links: negative where the point stores or dissipates
 // energy [W]. `pressing` bounds friction; none: it is the normal force of that motion [N].
-double power(const Model& model, const ContactColumn& column, const ContactMotion& motion,
+double power(const Model& model, const ContactPoint& point, const ContactMotion& motion,
              std::optional<double> pressing = {});
 // Energy of the normal spring at that depth [J].
 double normal_energy(const ContactLaw& law, double depth);

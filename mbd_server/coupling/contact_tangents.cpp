@@ -26,12 +26,11 @@ void contact_tangents(const Model& model, const State& state, const std::vector<
     const LinkIndex link = model.bodies[static_cast<std::size_t>(body)].link;
     Matrix6d by_displacement = Matrix6d::Zero(), by_velocity = Matrix6d::Zero();
     bool touches = false;
-    for (Eigen::Index i = 0; i < state.contacts.cols(); ++i) {
-      const ContactColumn column = state.contacts.col(i);
-      const LinkIndex a = model.contact.shape(static_cast<int>(column[ContactRow::shape_a])).link,
-                      b = model.contact.shape(static_cast<int>(column[ContactRow::shape_b])).link;
+    for (const ContactPoint& point : state.contacts) {
+      const LinkIndex a = model.contact.shape(point.feature.a).link,
+                      b = model.contact.shape(point.feature.b).link;
       if (a != link && b != link) continue;
-      const ContactForce f = evaluate(model, column, links);
+      const ContactForce f = evaluate(model, point, links);
       by_displacement += b == link ? f.by_b : Matrix6d(-f.by_a);
       by_velocity += f.by_velocity;
       touches = true;

@@ -248,12 +248,11 @@ void ElementObserver::observe_contacts(const State& state, const MachineSystem& 
   if (contact.outputs.empty()) return;
   const std::vector<LinkMotion>& links = system.links();
   contacts_.assign(contact.outputs.size(), {});
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const auto a = static_cast<int>(state.contacts(ContactRow::shape_a, k)),
-               b = static_cast<int>(state.contacts(ContactRow::shape_b, k));
+  for (const ContactPoint& point : state.contacts) {
+    const int a = point.feature.a, b = point.feature.b;
     std::optional<ContactForce> f;
     contact.for_each_output(a, b, [&](int i, double sign) {
-      if (!f) f = evaluate(model_, state.contacts.col(k), links, Derivatives::without);
+      if (!f) f = evaluate(model_, point, links, Derivatives::without);
       OfContacts& sum = contacts_[static_cast<std::size_t>(i)];
       sum.force += sign * f->force, sum.friction += sign * f->friction;
       sum.torque += sign * wrench_at(f->p, f->force, f->torque).head<3>();

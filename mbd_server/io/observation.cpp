@@ -16,10 +16,9 @@ namespace {
 template <class Act>
 void for_each_contact(const Model& model, const State& state, const std::vector<LinkMotion>& links,
                       const Act& act) {
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
-    act(model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_a, k))),
-        model.contact.shape(static_cast<int>(state.contacts(ContactRow::shape_b, k))),
-        evaluate(model, state.contacts.col(k), links, Derivatives::without));
+  for (const ContactPoint& point : state.contacts)
+    act(model.contact.shape(point.feature.a), model.contact.shape(point.feature.b),
+        evaluate(model, point, links, Derivatives::without));
 }
 
 Matrix6d inertia_in_world(const BodyOnLink& body, const LinkMotion& link) {

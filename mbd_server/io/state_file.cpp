@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <type_traits>
+#include <vector>
 
 #include "common/error.hpp"
 #include "common/state_file.hpp"
@@ -15,7 +18,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 12;
+constexpr std::uint64_t version = 13;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -39,6 +42,81 @@ std::pair<std::string, std::string> difference(const std::string& a, const std::
   return {a.substr(line, a.find('\n', line) - line), b.substr(line, b.find('\n', line) - line)};
 }
 
+// Fields of the points of contact: one array for each, by name.
+struct PointArrays {
+  std::map<std::string, std::vector<double>> real;
+  std::map<std::string, std::vector<std::uint64_t>> whole;
+
+  template <class Field>
+  auto& of(const char* field) {
+    if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, Vector3d>)
+      return real[field];
+    else
+      return whole[field];
+  }
+};
+
+void write_points(StateWriter& file, const std::string& name, const std::vector<ContactPoint>& points) {
+  PointArrays arrays;
+  const ContactPoint any;
+  for_each_point_field(any, [&]<class Field>(const char* field, const Field&) { arrays.of<Field>(field); });
+  for (const ContactPoint& point : points)
+    for_each_point_field(point, [&]<class Field>(const char* field, const Field& value) {
+      auto& array = arrays.of<Field>(field);
+      if constexpr (std::is_same_v<Field, Vector3d>)
+        array.insert(array.end(), value.begin(), value.end());
+      else if constexpr (std::is_same_v<Field, double>)
+        array.push_back(value);
+      else
+        array.push_back(static_cast<std::uint64_t>(static_cast<std::int64_t>(value)));
+    });
+  for (const auto& [field, values] : arrays.real) file.write(name + "/" + field, std::span(values));
+  for (const auto& [field, values] : arrays.whole) file.write(name + "/" + field, std::span(values));
+}
+
+void read_points(const StateReader& file, const std::string& name, std::vector<ContactPoint>& points) {
+  points.assign(file.size(name + "/mass"), {});
+  PointArrays arrays;
+  const ContactPoint any;
+  for_each_point_field(any, [&]<class Field>(const char* field, const Field&) {
+    auto& array = arrays.of<Field>(field);
+    array.resize(points.size() * (std::is_same_v<Field, Vector3d> ? 3 : 1));
+    file.read(name + "/" + field, std::span(array));
+  });
+  for (std::size_t k = 0; k < points.size(); ++k)
+    for_each_point_field(points[k], [&]<class Field>(const char* field, Field& value) {
+      const auto& array = arrays.of<Field>(field);
+      if constexpr (std::is_same_v<Field, Vector3d>)
+        value = Eigen::Map<const Vector3d>(&array[3 * k]);
+      else if constexpr (std::is_same_v<Field, double>)
+        value = array[k];
+      else
+        value = static_cast<Field>(static_cast<std::int64_t>(array[k]));
+    });
+}
+
+// Throws, by `fail`, where a point has a field that no step leaves.
+template <class Fail>
+void expect_sound_point(const ContactPoint& point, const Model& model, const Fail& fail) {
+  for_each_point_field(point, [&]<class Field>(const char* field, const Field& value) {
+    const std::string name = std::string("contacts/") + field;
+    if constexpr (std::is_same_v<Field, double>) {
+      if (!std::isfinite(value)) fail(name, value, "not finite");
+    } else if constexpr (std::is_same_v<Field, Vector3d>) {
+      for (const double x : value)
+        if (!std::isfinite(x)) fail(name, x, "not finite");
+    }
+  });
+  const auto expect = [&](const char* name, int value, std::ptrdiff_t count, const char* problem) {
+    if (value < 0 || value >= count) fail(name, value, problem);
+  };
+  const std::ptrdiff_t shapes = std::ssize(model.contact.shapes);
+  expect("contacts/shape_a", point.feature.a, shapes, "no number of a shape of the scene");
+  expect("contacts/shape_b", point.feature.b, shapes, "no number of a shape of the scene");
+  expect("contacts/kind", static_cast<int>(point.feature.kind), static_cast<int>(ContactFeature::Kind::watch),
+         "no kind of a feature that touches");
+}
+
 // Throws Error{resource} where no step can have left such a value.
 void expect_sound(const SavedState& saved, const Model& model, const std::filesystem::path& path) {
   const auto fail = [&](const std::string& name, double value, const char* problem) {
@@ -49,6 +127,8 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   for_each_field(saved.state, [&]<class Field>(const char* name, const Field& field) {
     if constexpr (std::is_same_v<Field, double>) {
       if (!(std::isfinite(field) && field >= 0)) fail(name, field, "no finite number of at least 0");
+    } else if constexpr (std::is_same_v<Field, std::vector<ContactPoint>>) {
+      for (const ContactPoint& point : field) expect_sound_point(point, model, fail);
     } else if constexpr (!std::is_arithmetic_v<Field>) {
       for (Eigen::Index i = 0; i < field.size(); ++i)
         if (!std::isfinite(field.data()[i])) fail(name, field.data()[i], "not finite");
@@ -96,6 +176,8 @@ void write_state(const std::filesystem::path& path, const Model& model, const St
   for_each_field(state, [&]<class Field>(const char* name, const Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)
       file.write(name, field);
+    else if constexpr (std::is_same_v<Field, std::vector<ContactPoint>>)
+      write_points(file, name, field);
     else
       file.write(name, std::span(field.data(), static_cast<std::size_t>(field.size())));
   });
@@ -138,8 +220,6 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   if (file.size("stops") > 0) state.stops.setZero(StopRow::count, std::ssize(model.stops));
   state.sliding.setZero(std::ssize(model.stictions));
   if (!model.contact.empty()) {
-    state.contacts.setZero(ContactRow::count,
-                           static_cast<Eigen::Index>(file.size("contacts")) / ContactRow::count);
     state.touch_step.setZero(1);
     state.contact_wrench.setZero(6, std::ssize(model.boundary));
   }
@@ -147,6 +227,8 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)
       file.read(name, field);
+    else if constexpr (std::is_same_v<Field, std::vector<ContactPoint>>)
+      read_points(file, name, field);
     else
       file.read(name, std::span(field.data(), static_cast<std::size_t>(field.size())));
   });

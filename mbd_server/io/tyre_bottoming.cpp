@@ -46,13 +46,12 @@ void TyreBottoming::add_step(const State& state, const std::vector<LinkMotion>& 
     const TyreOnLink& tyre = model_.tyres[t];
     if (!(load_on(tyre, links) > 0)) continue;
     totals.time[t] += h;
-    for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-      int shape = static_cast<int>(state.contacts(ContactRow::shape_a, k)),
-          other = static_cast<int>(state.contacts(ContactRow::shape_b, k));
+    for (const ContactPoint& point : state.contacts) {
+      int shape = point.feature.a, other = point.feature.b;
       if (model_.contact.shape(shape).link == 0) std::swap(shape, other);
       if (model_.contact.shape(shape).link != tyre.centre.link || model_.contact.shape(other).link != 0)
         continue;
-      const ContactForce f = evaluate(model_, state.contacts.col(k), links, Derivatives::without);
+      const ContactForce f = evaluate(model_, point, links, Derivatives::without);
       if (!(f.normal > 0) || !is_on_ground_of(tyre, links, f, other)) continue;
       if (totals.bottomed_shape[t] == none)
         totals.bottomed_at[t] = state.time, totals.bottomed_shape[t] = shape;

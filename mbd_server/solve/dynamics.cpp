@@ -227,10 +227,10 @@ void Dynamics::apply_contacts(const State& state) {
   if (model_.contact.empty()) return;
   contacts_ = state.contacts;
   moving_contacts_.clear();
-  for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const auto [a, b] = links_of_contact(k);
     if (a > 0 && b > 0) moving_contacts_.emplace_back(std::min(a, b), std::max(a, b));
-    const ContactForce f = evaluate(model_, contacts_.col(k), links_, Derivatives::without);
+    const ContactForce f = evaluate(model_, contacts_[k], links_, Derivatives::without);
     const Vector6d wrench = wrench_at(f.p, f.force, f.torque);
     if (b > 0) loads_[b].F -= wrench;
     if (a > 0) loads_[a].F += wrench;
@@ -248,20 +248,20 @@ bool Dynamics::is_fine(const VectorXd& dx) const {
         X += links_[link].S.col(j) * dx[model_.links[link].u + j];
     return X;
   };
-  for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
-    const double finest = contacts_(ContactRow::finest, k);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const double finest = contacts_[k].finest;
     if (finest == 0) continue;
     const auto [a, b] = links_of_contact(k);
-    const Touch t = touch(model_, feature_of(contacts_.col(k)), links_, Derivatives::without);
+    const Touch t = touch(model_, contacts_[k].feature, links_, Derivatives::without);
     const Vector6d X = displacement(b) - displacement(a);
     if (!(std::abs(t.n.dot(at_point(X, t.p))) <= finest)) return false;
   }
   return true;
 }
 
-std::pair<LinkIndex, LinkIndex> Dynamics::links_of_contact(Eigen::Index k) const {
-  return {model_.contact.shape(static_cast<int>(contacts_(ContactRow::shape_a, k))).link,
-          model_.contact.shape(static_cast<int>(contacts_(ContactRow::shape_b, k))).link};
+std::pair<LinkIndex, LinkIndex> Dynamics::links_of_contact(std::size_t k) const {
+  return {model_.contact.shape(contacts_[k].feature.a).link,
+          model_.contact.shape(contacts_[k].feature.b).link};
 }
 
 // The rotor turns about the axis of its joint, relative to the parent; its own mass is part of the bodies.

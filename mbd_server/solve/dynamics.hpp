@@ -68,7 +68,7 @@ class Dynamics {
   const VectorXd& state_rates() const { return zdot_; }
 
   // Whether an increment changes the gap of each stiff contact of the last residual() by less than
-  // ContactRow::finest.
+  // ContactPoint::finest.
   bool is_fine(const VectorXd& dx) const;
 
   // Pairs of moving links in contact in the last residual(), sorted.
@@ -96,7 +96,7 @@ class Dynamics {
   void add_motors(const State& state);
   void apply_closures(const State& state);
   void apply_contacts(const State& state);
-  std::pair<LinkIndex, LinkIndex> links_of_contact(Eigen::Index column) const;
+  std::pair<LinkIndex, LinkIndex> links_of_contact(std::size_t k) const;
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
@@ -116,9 +116,8 @@ class Dynamics {
   std::vector<TyreForce> tyres_;        // (tyres)
   std::vector<ElementValue> elements_;  // (elements)
   std::vector<SpringForce> cylinders_;  // valid for cylinders (elements)
-  // Points in contact at the last residual() (ContactRow x points in contact), and their pairs of moving
-  // links, sorted.
-  decltype(State::contacts) contacts_;
+  // Points in contact at the last residual(), and their pairs of moving links, sorted.
+  std::vector<ContactPoint> contacts_;
   std::vector<std::pair<LinkIndex, LinkIndex>> moving_contacts_;
   VectorXd z_, zdot_;                         // (first-order states)
   std::vector<EquationValue> equations_;      // (equations)

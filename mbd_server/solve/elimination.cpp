@@ -25,6 +25,7 @@ constexpr double good_pivot = 1e-2;
 Elimination::Elimination(const Model& model)
     : model_(model),
       blocks_(model),
+      free_(model, blocks_),
       plan_(model, blocks_.connections),
       branch_of_(model.links.size(), none),
       joint_blocks_(static_cast<std::size_t>(plan_.joint_blocks)),
@@ -99,7 +100,8 @@ void Elimination::measure_reach() {
 void Elimination::connect(const std::vector<std::pair<LinkIndex, LinkIndex>>& links) {
   if (links == in_contact_) return;
   in_contact_ = links;
-  blocks_.set_contacts(links);
+  free_.connect(links);
+  blocks_.set_contacts(links, free_.active());
   plan_ = EliminationPlan(model_, blocks_.connections);
   const std::size_t count = blocks_.connections.size();
   joint_blocks_.resize(static_cast<std::size_t>(plan_.joint_blocks));
@@ -171,6 +173,7 @@ Eigen::Index Elimination::sweep(const Dynamics& dynamics, const MatrixWeights& w
   }
   const LinkIndex end = static_cast<LinkIndex>(plan_.links.size());
   for (LinkIndex i = end - 1; i > 0; --i) {
+    if (free_.has(i)) continue;
     dynamics.linearise_link(i, weights, x, own_);
     if (geometric_) make_link_geometric(i);
     if (blocks_.grounded_of[i] != none && !geometric_) own_.K += blocks_.grounded[blocks_.grounded_of[i]];
@@ -193,7 +196,27 @@ Eigen::Index Elimination::sweep(const Dynamics& dynamics, const MatrixWeights& w
     if (!regular) return model_.links[i].u;
   }
   for (const int k : plan_.links[0].own) eliminate_connection(k, 0);
-  return -1;
+  return factorise_free_bodies(dynamics, weights, x);
+}
+
+Eigen::Index Elimination::factorise_free_bodies(const Dynamics& dynamics, const MatrixWeights& weights,
+                                                const VectorXd& x) {
+  LinkBlocks shift;
+  for (std::size_t i = 0; i < free_.bodies().size(); ++i) {
+    const FreeBodies::Body& body = free_.bodies()[i];
+    if (!free_.has(body.rotation)) continue;
+    if (geometric_) {
+      free_.set_diagonal(i, metric_.segment<6>(body.u));
+      continue;
+    }
+    dynamics.linearise_link(body.translation, weights, x, shift);
+    dynamics.linearise_link(body.rotation, weights, x, own_);
+    if (blocks_.grounded_of[body.rotation] != none)
+      own_.K += blocks_.grounded[blocks_.grounded_of[body.rotation]];
+    free_.set_body(i, shift, own_, own_.K);
+  }
+  const bool coupled = !geometric_ && (weights.stiffness != 0 || weights.damping != 0);
+  return free_.factorise(coupled ? &blocks_.free_pairs : nullptr);
 }
 
 void Elimination::add_travel(const VectorXd& x, std::vector<Eigen::Vector2d>& travel) const {
@@ -450,6 +473,7 @@ void Elimination::solve(const VectorXd& r, const VectorXd& c, VectorXd& x, Vecto
   inward(r, c);
   for (Vector6d& z : z_) z.setZero();
   outward(x);
+  free_.solve(r, x);
   for (std::size_t k = 0; k < z_.size(); ++k) {
     const Connection& connection = blocks_.connections[k];
     if (!connection.soft) lambda.segment(connection.first, connection.size) = z_[k].head(connection.size);
@@ -474,6 +498,7 @@ void Elimination::inward(const VectorXd& r, const VectorXd& c) {
       }
     }
     if (i == 0) break;
+    if (free_.has(i)) continue;
     const Link& link = model_.links[i];
     if (link.freedoms() == 1) inward_joint<1>(i, r);
     if (link.freedoms() == 3) inward_joint<3>(i, r);
@@ -502,7 +527,7 @@ void Elimination::inward_joint(LinkIndex i, const VectorXd& r) {
 // On entry, z_ holds the term to be added to each connection's solution.
 void Elimination::outward(VectorXd& x) {
   for (LinkIndex i = 0; i < std::ssize(plan_.links); ++i) {
-    if (i > 0) {
+    if (i > 0 && !free_.has(i)) {
       const int n = model_.links[i].freedoms();
       if (n == 1)
         outward_joint<1>(i, x);

@@ -13,6 +13,7 @@
 
 #include "mbd_server/solve/dynamics.hpp"
 #include "mbd_server/solve/elimination_plan.hpp"
+#include "mbd_server/solve/free_bodies.hpp"
 
 namespace tandem::mbd {
 
@@ -99,6 +100,8 @@ class Elimination {
   void measure_reach();
   // Plans anew where other links than before are in contact.
   void connect(const std::vector<std::pair<LinkIndex, LinkIndex>>& links);
+  Eigen::Index factorise_free_bodies(const Dynamics& dynamics, const MatrixWeights& weights,
+                                     const VectorXd& x);
   Eigen::Index sweep(const Dynamics& dynamics, const MatrixWeights& weights, const VectorXd& x);
   void make_link_geometric(LinkIndex i);
   void pass_to_parent(LinkIndex i, const Matrix6x18d& K);
@@ -121,6 +124,7 @@ class Elimination {
   const Model& model_;
   Linearisation blocks_;
   std::vector<std::pair<LinkIndex, LinkIndex>> in_contact_;  // pairs of moving links, part of the plan
+  FreeBodies free_;                                          // solved by themselves
   EliminationPlan plan_;
   LinkBlocks own_;              // of the link that the sweep visits
   Matrix6x18d next_;            // contribution of link i to link i - 1, where that is its parent

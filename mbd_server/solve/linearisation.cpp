@@ -132,22 +132,31 @@ void Linearisation::make_blocks(std::size_t first) {
   }
 }
 
-void Linearisation::set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links) {
+void Linearisation::set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links,
+                                 const std::vector<bool>& is_free) {
   connections.resize(static_cast<std::size_t>(first_contact));
   contact_places.clear();
-  const Neighbours neighbours = neighbours_in_large_groups(links);
+  free_pairs.clear();
+  std::vector<std::pair<LinkIndex, LinkIndex>> others;
+  for (const auto& pair : links)
+    if (!is_free[static_cast<std::size_t>(pair.first)]) others.push_back(pair);
+  const Neighbours neighbours = neighbours_in_large_groups(others);
   std::map<LinkIndex, int> connection_of;
-  for (const auto& [link, others] : neighbours) {
+  for (const auto& [link, around] : neighbours) {
     connection_of[link] = static_cast<int>(connections.size());
-    connections.push_back({link, others[0], 6, true, false, none, {others.begin() + 1, others.end()}, true});
+    connections.push_back({link, around[0], 6, true, false, none, {around.begin() + 1, around.end()}, true});
   }
   const auto side = [&](LinkIndex of, LinkIndex other) {
-    const auto& others = neighbours.at(of);
-    return 1 + static_cast<int>(std::ranges::lower_bound(others, other) - others.begin());
+    const auto& around = neighbours.at(of);
+    return 1 + static_cast<int>(std::ranges::lower_bound(around, other) - around.begin());
   };
   for (const auto& [a, b] : links) {
-    if (neighbours.contains(a)) {
-      contact_places.push_back({none, connection_of.at(a), side(a, b), connection_of.at(b), side(b, a)});
+    if (is_free[static_cast<std::size_t>(a)]) {
+      contact_places.push_back({.free_pair = static_cast<int>(free_pairs.size())});
+      free_pairs.emplace_back();
+    } else if (neighbours.contains(a)) {
+      contact_places.push_back(
+          {none, connection_of.at(a), side(a, b), connection_of.at(b), side(b, a), none});
     } else {
       contact_places.push_back({.connection = static_cast<int>(connections.size())});
       connections.push_back({a, b, 6, true, false, none});
@@ -355,9 +364,11 @@ void Dynamics::linearise_contacts(const MatrixWeights& weights, Linearisation& o
     for (ConnectionSide& side : block.more) side.C.setZero(), side.R.setZero();
   }
   if (weights.stiffness == 0 && weights.damping == 0) return;
-  for (Eigen::Index k = 0; k < contacts_.cols(); ++k) {
+  for (ContactPairBlocks& pair : out.free_pairs)
+    pair.by_first.setZero(), pair.by_second.setZero(), pair.by_velocity.setZero();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const auto [a, b] = links_of_contact(k);
-    const ContactForce f = evaluate(model_, contacts_.col(k), links_);
+    const ContactForce f = evaluate(model_, contacts_[k], links_);
     const Matrix6d turning = weights.stiffness * rotation_of(wrench_at(f.p, f.force, f.torque));
     if (b > 0) out.grounded[out.grounded_of[b]].leftCols<6>() -= turning;
     if (a > 0) out.grounded[out.grounded_of[a]].leftCols<6>() += turning;
@@ -378,6 +389,10 @@ void Dynamics::linearise_contacts(const MatrixWeights& weights, Linearisation& o
       R.template leftCols<6>() += sign * by;
       R.template middleCols<6>(6) += sign * by_velocity * f.by_velocity;
     };
+    if (place.free_pair != none) {
+      ContactPairBlocks& free = out.free_pairs[static_cast<std::size_t>(place.free_pair)];
+      free.by_first += by_first, free.by_second += by_second, free.by_velocity += f.by_velocity;
+    }
     if (place.connection != none) {
       ConnectionBlocks& block = out.blocks[place.connection];
       add(block.R_a, 1, by_first, -1);
@@ -387,6 +402,7 @@ void Dynamics::linearise_contacts(const MatrixWeights& weights, Linearisation& o
     // What the wrench on a link changes by its own motion is part of its K.
     add(out.grounded[out.grounded_of[std::max(a, b)]], -1, by_second, 1);
     add(out.grounded[out.grounded_of[std::min(a, b)]], 1, by_first, -1);
+    if (place.free_pair != none) continue;
     add(out.blocks[place.of_b].R(place.side_of_a), 1, by_first, -1);
     add(out.blocks[place.of_a].R(place.side_of_b), -1, by_second, 1);
   }

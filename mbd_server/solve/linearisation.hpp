@@ -80,25 +80,36 @@ struct ConnectionBlocks {
   }
 };
 
+// Changes of the wrench on the second link of a pair in contact of free bodies (free_bodies.hpp): per
+// displacement of the first and of the second, and per change of the velocity of the second relative to the
+// first.
+struct ContactPairBlocks {
+  Matrix6d by_first, by_second, by_velocity;
+};
+
 // The connections. The blocks of a link are computed when the elimination visits it
 // (Dynamics::linearise_link): stored for all links they would be most of the memory traffic of a step.
 struct Linearisation {
   explicit Linearisation(const Model& model);
-  // Pairs of moving links in contact, sorted: the last of the connections.
-  void set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links);
+  // Pairs of moving links in contact, sorted: the last of the connections, but for those of free bodies
+  // (links).
+  void set_contacts(const std::vector<std::pair<LinkIndex, LinkIndex>>& links,
+                    const std::vector<bool>& is_free);
   void make_blocks(std::size_t first);
 
   // Where the wrench of a pair in contact is.
   struct ContactPlace {
     int connection = none;  // of the pair; none: each of the two links has one by its neighbours
     int of_a = none, side_of_b = 0, of_b = none, side_of_a = 0;
+    int free_pair = none;  // of free bodies instead
   };
 
   // Closures, then springs, cylinders, bushings and geometric stiffnesses between moving links.
   std::vector<Connection> connections;
-  int first_contact = 0;                     // index of the first connection of contacts
-  std::vector<ContactPlace> contact_places;  // (pairs in contact)
-  std::vector<ConnectionBlocks> blocks;      // (connections)
+  int first_contact = 0;                      // index of the first connection of contacts
+  std::vector<ContactPlace> contact_places;   // (pairs in contact)
+  std::vector<ContactPairBlocks> free_pairs;  // (pairs in contact of free bodies)
+  std::vector<ConnectionBlocks> blocks;       // (connections)
   // none: one end is on the ground; cylinder_connection (elements): also for motors; stiffness_connection:
   // also where the closure has no geometric stiffness
   std::vector<int> spring_connection, cylinder_connection, bushing_connection, stiffness_connection;

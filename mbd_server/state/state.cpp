@@ -18,6 +18,15 @@ void add(std::uint64_t& sum, const Matrix& values) {
   add(sum, values.data(), sizeof(double) * static_cast<std::size_t>(values.size()));
 }
 
+void add(std::uint64_t& sum, const ContactPoint& point) {
+  for_each_point_field(point, [&]<class Field>(const char*, const Field& field) {
+    if constexpr (std::is_same_v<Field, Vector3d>)
+      add(sum, field.data(), 3 * sizeof(double));
+    else
+      add(sum, &field, sizeof field);
+  });
+}
+
 }  // namespace
 
 std::string hash(const State& state) {
@@ -25,6 +34,8 @@ std::string hash(const State& state) {
   for_each_field(state, [&]<class Field>(const char*, const Field& field) {
     if constexpr (std::is_arithmetic_v<Field>)
       add(sum, &field, sizeof field);
+    else if constexpr (std::is_same_v<Field, std::vector<ContactPoint>>)
+      for (const ContactPoint& point : field) add(sum, point);
     else
       add(sum, field);
   });

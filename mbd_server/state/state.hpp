@@ -5,8 +5,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "mbd_server/spatial/spatial.hpp"
+#include "mbd_server/state/contact_point.hpp"
 
 namespace tandem::mbd {
 
@@ -19,49 +21,6 @@ struct StopRow {
     work,        // of the accelerations along the coordinate since then, plus rate^2/2 at the begin [rate^2]
     damping,     // against the rate, of a contact that has settled [N m s/rad or N s/m]
     count
-  };
-};
-
-// Data of one point of contact between bodies: the rows of State::contacts.
-struct ContactRow {
-  enum Row : Eigen::Index {
-    mass,                 // that the point feels as the contact begins [kg]; 0: no contact
-    mass_a,               // that it would feel there if the other body were fixed: of a [kg]; 0: a is held
-    mass_b,               // of b, likewise
-    pressing_mass,        // the largest that a point of the bodies feels that press each other here [kg]
-    entry_rate,           // at which the shapes approached each other then [m/s]
-    entry_time,           // [s]
-    finest,               // length to which Newton's method finds the gap [m]; 0: its own tolerance does
-    period,               // duration of an impact at that rate [s]; 0: it does not limit the steps
-    stiffness,            // of the tangential spring [N/m]; Hertz: over depth^1/2 [N/m^3/2]
-    damping,              // beside it [N s/m]; Hertz: over depth^1/4 [N s/m^5/4]
-    rolling_radius,       // R* [m]; 0: no rolling friction
-    rolling_stiffness,    // [N m/rad]; Hertz: over depth^1/2
-    rolling_damping,      // [N m s/rad]; Hertz: over depth^1/4
-    on_a,                 // end of that spring on link a, frame of the link [m] (3)
-    on_b = on_a + 3,      // on link b, likewise (3)
-    roll_a = on_b + 3,    // unit vectors whose difference is the stretch of the rolling spring: on link a,
-    roll_b = roll_a + 3,  // frame of the link (3), and on link b, likewise (3)
-    // Hertz, where the springs change with the depth: depth at the begin of the step [m], and stretches of
-    // the two springs there, frame of link a: [m] (3), [rad] (3).
-    last_depth = roll_b + 3,
-    last_stretch,
-    last_bend = last_stretch + 3,
-    // The feature that touches (contact/features.hpp).
-    shape_a = last_bend + 3,
-    shape_b,
-    kind,
-    code,
-    by_place,
-    on_mesh,
-    face,
-    radius_a,
-    radius_b,
-    place_a,               // (3)
-    axis_a = place_a + 3,  // (3)
-    place_b = axis_a + 3,  // (3)
-    axis_b = place_b + 3,  // (3)
-    count = axis_b + 3
   };
 };
 
@@ -107,9 +66,8 @@ struct State {
   StopContactRows stops;
   VectorXd sliding;  // of joints with stiction: 0 where they stick, else the sign of the rate (stictions)
   double contact_step = 0;  // longest step that contacts allow [s]; 0: no limit
-  // Contacts between bodies, maintained by BodyContacts (ContactRow x points in contact). Empty: none touch
-  // through each other.
-  Eigen::Matrix<double, ContactRow::count, Eigen::Dynamic> contacts;
+  // Points of contact between bodies, maintained by BodyContacts. Empty: none touch through each other.
+  std::vector<ContactPoint> contacts;
   // Longest step that they allow [s], 0: no limit (1); empty where the scene has none.
   VectorXd touch_step;
   // Algorithmic wrench of these contacts on each boundary body, which follows it as `a` follows udot: torque

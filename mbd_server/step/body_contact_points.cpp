@@ -1,154 +1,30 @@
-// Which points are in contact: features are found and matched with the points of the step before, and those
-// that touch anew enter.
+// Which points come into contact, and what they are at the end of a step.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "mbd_server/step/body_contacts.hpp"
+#include "mbd_server/step/contact_springs.hpp"
 
 namespace tandem::mbd {
 namespace {
 
-// A point of a face within this share of the size of its shape is the one that was there a step before.
-constexpr double same_place = 0.05;
-// A point of a face begins to touch where those that do are farther away than this share of the smaller
-// shape's size: two that are nearer would bear as one, with twice the stiffness.
-constexpr double merged = 1e-4;
-constexpr Eigen::Index part_of_another = -2;  // of such a point, in column_of_
 // Newton's method finds the depth of a contact to this share of that under the weight that the point feels.
 constexpr double resolved = 1e-3;
-// A body is held along a contact where it gives way by less than this share of the other one.
-constexpr double held = 1e-6;
 
 }  // namespace
-
-// The features that may touch within h. Those that touch keep their data; those that are no longer features
-// are dropped.
-void BodyContacts::find(State& state, double h) {
-  const auto& links = system_.links();
-  find_pairs(model_, links, h, pairs_);
-  candidates_.clear();
-  watches_.clear();
-  turned_ = false;
-  std::vector<std::size_t> held;
-  std::vector<bool> taken(static_cast<std::size_t>(state.contacts.cols()), false);
-  std::vector<Eigen::Index> kept;
-  by_pair_.clear();
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const auto a = static_cast<int>(state.contacts(ContactRow::shape_a, k)),
-               b = static_cast<int>(state.contacts(ContactRow::shape_b, k));
-    by_pair_.push_back({std::min(a, b), std::max(a, b), k});
-  }
-  std::sort(by_pair_.begin(), by_pair_.end());
-  for (const NearPair& pair : pairs_) {
-    const Range points = of_pair(pair.a, pair.b);
-    const std::int64_t preferred =
-        points.empty() ? -1
-                       : static_cast<std::int64_t>(state.contacts(ContactRow::code, points.back().column));
-    features_.clear();
-    const ContactShape &one = model_.contact.shape(pair.a), &two = model_.contact.shape(pair.b);
-    double depth = 0;
-    if (one.mesh || two.mesh) {
-      if (h == 0) depth = std::min(one.bound, two.bound);
-      for (const OfPair& point : points)
-        depth = std::max(depth, -gap(model_, feature_of(state.contacts.col(point.column)), links));
-    }
-    find_features(model_, pair.a, pair.b, links, pair.reach, preferred, features_, depth);
-    match(state, points);
-    for (std::size_t i = 0; i < features_.size(); ++i) {
-      const ContactFeature& feature = features_[i];
-      if (feature.kind == ContactFeature::Kind::watch) {
-        watches_.push_back({candidates_.size(), std::exchange(held, {}), pair.reach, depth});
-        candidates_.push_back({feature, -1, tolerance(feature)});
-        continue;
-      }
-      const Eigen::Index column = column_of_[i];
-      if (column < 0 && feature.on_mesh) continue;  // its watch sees it
-      if (column == part_of_another) continue;
-      if (feature.on_mesh) held.push_back(candidates_.size());
-      candidates_.push_back({feature, column, tolerance(feature)});
-      if (column < 0) continue;
-      taken[static_cast<std::size_t>(column)] = true;
-      turned_ |= follow(state, feature, column);
-      kept.push_back(column);
-    }
-  }
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k)
-    if (!taken[static_cast<std::size_t>(k)])
-      lose(evaluate(model_, state.contacts.col(k), links, Derivatives::without).energy,
-           static_cast<int>(state.contacts(ContactRow::shape_a, k)),
-           static_cast<int>(state.contacts(ContactRow::shape_b, k)));
-  keep(state, kept);
-}
-
-BodyContacts::Range BodyContacts::of_pair(int a, int b) const {
-  const auto first = std::lower_bound(by_pair_.begin(), by_pair_.end(), OfPair{a, b, 0});
-  auto last = first;
-  while (last != by_pair_.end() && last->a == a && last->b == b) ++last;
-  return {first, last};
-}
-
-// Finds which features of the pair continue which of its points in contact: the nearest ones first, so that a
-// feature does not take the point of its neighbour. Two points that touch stay two, however near they come.
-void BodyContacts::match(const State& state, Range points) {
-  matches_.clear();
-  column_of_.assign(features_.size(), -1);
-  for (const OfPair& point : points) {
-    const ContactFeature g = feature_of(state.contacts.col(point.column));
-    for (std::size_t i = 0; i < features_.size(); ++i) {
-      const ContactFeature& f = features_[i];
-      if (f.kind == ContactFeature::Kind::watch || g.a != f.a || g.b != f.b || g.code != f.code) continue;
-      double distance = 0, most = HUGE_VAL;
-      if (f.on_mesh)
-        distance = (foot(model_, g, system_.links()) - f.place_b).norm(), most = same_foot(f);
-      else if (f.by_place)
-        distance = (g.place_a - f.place_a).norm(), most = same_place * model_.contact.shape(f.a).bound;
-      if (distance < most) matches_.push_back({distance, i, point.column});
-    }
-  }
-  std::ranges::sort(matches_);
-  for (const Match& m : matches_) {
-    if (column_of_[m.feature] >= 0 || std::ranges::find(column_of_, m.column) != column_of_.end()) continue;
-    column_of_[m.feature] = m.column;
-  }
-  for (std::size_t i = 0; i < features_.size(); ++i) {
-    const ContactFeature& f = features_[i];
-    if (!f.by_place || column_of_[i] >= 0) continue;
-    const double size = std::min(model_.contact.shape(f.a).bound, model_.contact.shape(f.b).bound);
-    for (std::size_t k = 0; k < features_.size(); ++k) {
-      const bool stands = column_of_[k] >= 0 || (k < i && column_of_[k] != part_of_another);
-      if (stands && (features_[k].place_a - f.place_a).norm() < merged * size)
-        column_of_[i] = part_of_another;
-    }
-  }
-}
-
-// Leaves these columns, in the order of their indices.
-void BodyContacts::keep(State& state, const std::vector<Eigen::Index>& columns) {
-  std::vector<Eigen::Index> sorted = columns, place(static_cast<std::size_t>(state.contacts.cols()), -1);
-  std::sort(sorted.begin(), sorted.end());
-  if (std::ssize(sorted) == state.contacts.cols()) return;
-  Eigen::Index count = 0;
-  for (const Eigen::Index k : sorted) {
-    place[static_cast<std::size_t>(k)] = count;
-    if (k != count) state.contacts.col(count) = state.contacts.col(k).eval();
-    ++count;
-  }
-  state.contacts.conservativeResize(Eigen::NoChange, count);
-  for (Candidate& c : candidates_)
-    if (c.column >= 0) c.column = place[static_cast<std::size_t>(c.column)];
-}
 
 // Points within the tolerance whose shapes approach each other, or are pressed together, come into contact,
 // and those that may do so within a step of length `ahead` that does not end there. Returns whether any of
 // them begins an impact that is not faint.
-bool BodyContacts::enter_all(State& state, double ahead, bool at_start) {
+bool BodyContacts::enter_all(State& state, double ahead, double uncut, bool at_start) {
   const auto& links = system_.links();
   entries_.clear();
-  for (Watch& watch : watches_) enter_watched(watch, at_start);
+  candidates_.enter_watched(links, at_start, [this](std::size_t candidate, double rate) {
+    entries_.push_back({candidate, rate});
+  });
   const std::size_t count = candidates_.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (candidates_[i].column >= 0 || candidates_[i].feature.kind == ContactFeature::Kind::watch ||
+    if (candidates_[i].point >= 0 || candidates_[i].feature.kind == ContactFeature::Kind::watch ||
         candidates_[i].feature.on_mesh)
       continue;
     double rate = 0;
@@ -156,121 +32,22 @@ bool BodyContacts::enter_all(State& state, double ahead, bool at_start) {
     const ContactFeature& f = candidates_[i].feature;
     const bool within = model_.contact.within_steps(f.a, f.b);
     const double near = candidates_[i].tolerance;
-    if (!(distance <= near + (within ? ahead * std::max(0.0, -rate) : 0))) continue;
-    if (rate > 0 && distance >= -near) continue;
-    expect_round_side(f, distance);
+    const bool early = uncut > 0 && distance > near && rules_.may_begin(f, distance, rate, uncut) &&
+                       uncut <= rules_.uncut_step(f, rate);
+    if (!early && !(distance <= near + (within ? ahead * std::max(0.0, -rate) : 0))) continue;
+    if (!early && rate > 0 && distance >= -near) continue;
+    candidates_.expect_round_side(f, distance);
     entries_.push_back({i, std::max(0.0, -rate)});
-    entries_.back().faint = within || (!at_start && rate * rate < faint_square(f.a, f.b));
+    entries_.back().faint = within || early || (!at_start && rate * rate < rules_.faint_square(f.a, f.b));
   }
-  if (!entries_.empty()) find_masses();
-  const Eigen::Index first = state.contacts.cols();
-  state.contacts.conservativeResize(Eigen::NoChange, first + std::ssize(entries_));
-  for (std::size_t i = 0; i < entries_.size(); ++i)
-    enter(state, entries_[i], first + static_cast<Eigen::Index>(i));
-  find_pressing_masses(state);
-  return !std::ranges::all_of(entries_, &Entry::faint);
+  if (!entries_.empty()) masses_.find(candidates_, entries_);
+  for (const ContactEntry& entry : entries_) enter(state, entry);
+  masses_.press(state.contacts);
+  return !std::ranges::all_of(entries_, &ContactEntry::faint);
 }
 
-// The inertia that each point feels, closures included: a unit force gives the gap the rate 1/m. Points of
-// machines that no closure connects share a solution, so that the cost is linear in the points.
-void BodyContacts::find_masses() {
-  response_.setZero();
-  system_.factorise({.mass = 1, .damping = 0, .stiffness = 0}, response_);
-  const auto& links = system_.links();
-  const auto along = [&](LinkIndex link, const Vector6d& wrench, const auto& apply) {
-    for (; link > 0; link = model_.links[static_cast<std::size_t>(link)].parent) {
-      const Link& l = model_.links[static_cast<std::size_t>(link)];
-      for (int j = 0; j < l.freedoms(); ++j)
-        apply(l.u + j, links[static_cast<std::size_t>(link)].S.col(j).dot(wrench));
-    }
-  };
-  for (std::size_t left = entries_.size(); left > 0;) {
-    unit_.setZero();
-    std::fill(busy_.begin(), busy_.end(), false);
-    now_.clear();
-    for (std::size_t i = 0; i < entries_.size(); ++i) {
-      if (entries_[i].mass > 0) continue;
-      const ContactFeature& f = candidates_[entries_[i].candidate].feature;
-      const int a = machine_of(f.a), b = machine_of(f.b);
-      if ((a != none && busy_[static_cast<std::size_t>(a)]) ||
-          (b != none && busy_[static_cast<std::size_t>(b)]))
-        continue;
-      if (a != none) busy_[static_cast<std::size_t>(a)] = true;
-      if (b != none) busy_[static_cast<std::size_t>(b)] = true;
-      now_.push_back(i);
-      const Touch t = touch(model_, f, links, Derivatives::without);
-      const Vector6d wrench = wrench_at(t.p, t.n);
-      along(model_.contact.shape(f.b).link, wrench, [&](int u, double part) { unit_[u] += part; });
-      along(model_.contact.shape(f.a).link, wrench, [&](int u, double part) { unit_[u] -= part; });
-    }
-    system_.solve(unit_, zero_, response_, dlambda_);
-    for (const std::size_t i : now_) {
-      const ContactFeature& f = candidates_[entries_[i].candidate].feature;
-      const Touch t = touch(model_, f, links, Derivatives::without);
-      const Vector6d wrench = wrench_at(t.p, t.n);
-      double of_a = 0, of_b = 0;  // compliance
-      along(model_.contact.shape(f.b).link, wrench, [&](int u, double part) { of_b += part * response_[u]; });
-      along(model_.contact.shape(f.a).link, wrench, [&](int u, double part) { of_a -= part * response_[u]; });
-      // Bodies that motions or loops hold have no inertia along the contact; any finite value serves.
-      const double compliance = of_a + of_b;
-      Entry& e = entries_[i];
-      e.mass = compliance > 0 ? 1 / compliance : 1e6 * model_.contact.law(f.a, f.b).stiffness;
-      if (machine_of(f.a) == machine_of(f.b)) of_a = of_b = compliance;
-      e.mass_a = of_a > held * compliance ? 1 / of_a : 0, e.mass_b = of_b > held * compliance ? 1 / of_b : 0;
-    }
-    left -= now_.size();
-  }
-}
-
-int BodyContacts::machine_of(int shape) const {
-  return machine_of_link_[static_cast<std::size_t>(model_.contact.shape(shape).link)];
-}
-
-// Machines that touch each other, other than through what is held, press each other. The largest mass that a
-// point of one of them feels counts, not their sum, which would damp each contact of a heap by its whole
-// mass.
-void BodyContacts::find_pressing_masses(State& state) {
-  std::vector<int>& next = pressed_with_;
-  next.resize(machine_of_link_.size());
-  std::iota(next.begin(), next.end(), 0);
-  pressing_.assign(next.size(), 0);
-  const auto first = [&](int i) {
-    while (next[static_cast<std::size_t>(i)] != i)
-      i = next[static_cast<std::size_t>(i)] =
-          next[static_cast<std::size_t>(next[static_cast<std::size_t>(i)])];
-    return i;
-  };
-  const auto side = [&](Eigen::Index k, ContactRow::Row shape, ContactRow::Row mass) {
-    return state.contacts(mass, k) > 0 ? machine_of(static_cast<int>(state.contacts(shape, k))) : none;
-  };
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const int a = side(k, ContactRow::shape_a, ContactRow::mass_a),
-              b = side(k, ContactRow::shape_b, ContactRow::mass_b);
-    const auto add = [&](int machine, ContactRow::Row mass) {
-      if (machine == none) return;
-      double& most = pressing_[static_cast<std::size_t>(machine)];
-      most = std::max(most, state.contacts(mass, k));
-    };
-    add(a, ContactRow::mass_a), add(b, ContactRow::mass_b);
-    if (a != none && b != none)
-      next[static_cast<std::size_t>(std::max(first(a), first(b)))] = std::min(first(a), first(b));
-  }
-  for (std::size_t i = next.size(); i-- > 0;) {
-    double& of_all = pressing_[static_cast<std::size_t>(first(static_cast<int>(i)))];
-    of_all = std::max(of_all, pressing_[i]);
-  }
-  for (Eigen::Index k = 0; k < state.contacts.cols(); ++k) {
-    const int a = side(k, ContactRow::shape_a, ContactRow::mass_a),
-              b = side(k, ContactRow::shape_b, ContactRow::mass_b), machine = a != none ? a : b;
-    state.contacts(ContactRow::pressing_mass, k) = machine != none
-                                                       ? pressing_[static_cast<std::size_t>(first(machine))]
-                                                       : state.contacts(ContactRow::mass, k);
-  }
-}
-
-// Links that move with each other through joints or closures are one machine.
-void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
-  Candidate& candidate = candidates_[entry.candidate];
+void BodyContacts::enter(State& state, const ContactEntry& entry) {
+  ContactCandidate& candidate = candidates_.all()[entry.candidate];
   const ContactFeature& feature = candidate.feature;
   const ContactShape &a = model_.contact.shape(feature.a), &b = model_.contact.shape(feature.b);
   const ContactLaw law = model_.contact.law(feature.a, feature.b);
@@ -279,45 +56,108 @@ void BodyContacts::enter(State& state, const Entry& entry, Eigen::Index index) {
   const double depth = std::max(-t.gap, impact_depth(law, entry.mass, entry.rate));
   // Hertz: over depth^1/2.
   const double stiffness = law.hertz ? 1.5 * law.stiffness : law.stiffness;
-  candidate.column = index;
-  ContactColumn column = ContactColumn::Zero();
-  set_feature(feature, column);
-  column[ContactRow::mass] = entry.mass;
-  column[ContactRow::mass_a] = entry.mass_a, column[ContactRow::mass_b] = entry.mass_b;
-  column[ContactRow::entry_rate] = entry.rate;
-  column[ContactRow::entry_time] = state.time;
+  candidate.point = std::ssize(state.contacts);
+  ContactPoint& point = state.contacts.emplace_back();
+  point.feature = feature;
+  point.mass = entry.mass;
+  point.mass_a = entry.mass_a, point.mass_b = entry.mass_b;
+  point.entry_rate = entry.rate;
+  point.entry_time = state.time;
   // A contact that begins at rest gets the period at a depth of the tolerance, until it is deeper.
-  column[ContactRow::period] = half_period(law, entry.mass, std::max(depth, tolerance_));
+  point.period = half_period(law, entry.mass, std::max(depth, rules_.tolerance()));
   const double under_weight = depth_of(law, entry.mass * model_.gravity.norm()),
-               finest = std::max(resolved * under_weight, least_),
-               by_norm = tolerance_ * std::sqrt(static_cast<double>(model_.freedoms));
-  if (under_weight > 0 && finest < by_norm) column[ContactRow::finest] = finest;
+               finest = std::max(resolved * under_weight, rules_.round_off()),
+               by_norm = rules_.tolerance() * std::sqrt(static_cast<double>(model_.freedoms));
+  if (under_weight > 0 && finest < by_norm) point.finest = finest;
   // Without friction nothing is held along the surfaces, and no spring stores energy there.
   const double ratio = law.friction > 0 ? law.tangential_ratio : 0;
-  column[ContactRow::stiffness] = ratio * stiffness;
-  column[ContactRow::damping] = ratio * std::sqrt(stiffness * entry.mass);
-  column.segment<3>(ContactRow::on_a) = in_link(links[static_cast<std::size_t>(a.link)], t.p);
-  column.segment<3>(ContactRow::on_b) = in_link(links[static_cast<std::size_t>(b.link)], t.p);
+  point.friction.stiffness = ratio * stiffness;
+  point.friction.damping = ratio * std::sqrt(stiffness * entry.mass);
+  point.friction.on_a = in_link(links[static_cast<std::size_t>(a.link)], t.p);
+  point.friction.on_b = in_link(links[static_cast<std::size_t>(b.link)], t.p);
   if (const double radius = rolling_radius(feature); law.rolling_friction > 0 && radius > 0) {
     const double at_radius = law.tangential_ratio * radius * radius;
-    column[ContactRow::rolling_radius] = radius;
-    column[ContactRow::rolling_stiffness] = at_radius * stiffness;
-    column[ContactRow::rolling_damping] = at_radius * std::sqrt(stiffness * entry.mass);
+    point.rolling.radius = radius;
+    point.rolling.stiffness = at_radius * stiffness;
+    point.rolling.damping = at_radius * std::sqrt(stiffness * entry.mass);
     set_rolling_spring(t.n, t.n, links[static_cast<std::size_t>(a.link)],
-                       links[static_cast<std::size_t>(b.link)], column);
+                       links[static_cast<std::size_t>(b.link)], point.rolling);
   }
-  state.contacts.col(index) = column;
   // A point that takes the place of another one begins with the energy of its depth.
-  if (state.steps > 0) lose(-normal_energy(law, -t.gap), feature.a, feature.b);
-  if (!entry.faint) shorten(state, column);
+  if (state.steps > 0) ledger_.lose(-normal_energy(law, -t.gap), feature.a, feature.b);
+  if (!entry.faint) shorten(state, rules_.impact_step(point, 0, point.entry_rate));
   if (t.gap <= candidate.tolerance) ++counters_.contacts;
 }
 
-// The next steps resolve an impact of this point.
-void BodyContacts::shorten(State& state, const ContactColumn& column) {
+// The next steps have at most that length [s].
+void BodyContacts::shorten(State& state, double longest) const {
   double& touch_step = state.touch_step[0];
-  const double longest = impact_step(column, 0, column[ContactRow::entry_rate]);
   touch_step = touch_step > 0 ? std::min(touch_step, longest) : longest;
+}
+
+// The end of a step of length h: contacts that have ended, and friction that slides. Returns whether an
+// impact has ended that the step resolves.
+bool BodyContacts::accept(State& state, double h) {
+  const auto& links = system_.links();
+  double longest = HUGE_VAL;
+  const bool any = !state.contacts.empty();
+  bool impact_ended = false, uncut = false;
+  extremes_ = {};
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    ContactCandidate& candidate = candidates_.all()[i];
+    if (candidate.point < 0) continue;
+    const Eigen::Index index = candidate.point;
+    ContactPoint& point = state.contacts[index];
+    const ContactLaw law = model_.contact.law(candidate.feature.a, candidate.feature.b);
+    const ContactForce f = evaluate(model_, point, links, Derivatives::without);
+    const ContactExchange& begin = ledger_.begin()[static_cast<std::size_t>(index)];
+    const double done = ledger_.work(point, static_cast<std::size_t>(index), h);
+    const int shape_a = candidate.feature.a, shape_b = candidate.feature.b;
+    extremes_.force = std::max(extremes_.force, f.normal);
+    if (const double share = -f.gap / thickness_at(model_, candidate.feature); share > extremes_.depth_share)
+      extremes_.depth_share = share, extremes_.shape_a = shape_a, extremes_.shape_b = shape_b;
+    const bool open = f.gap > 0, touched = begin.motion.gap <= candidate.tolerance,
+               is_uncut = h <= rules_.uncut_step(point);
+    uncut |= is_uncut && open == touched;
+    const bool may_begin =
+        open && !touched && is_uncut && rules_.may_begin(candidate.feature, f.gap, gaps_[i].rate, h);
+    if (open && !may_begin && !rules_.returns_faintly(candidate.feature, f.gap, gaps_[i].rate)) {
+      ledger_.lose(begin.energy - done, shape_a, shape_b);
+      candidate.point = -1;
+      impact_ended |= !is_uncut &&
+                      h <= ContactRules::coarsest * point.period / ContactRules::steps_per_contact &&
+                      !rules_.is_faint(candidate.feature, gaps_[i].rate, -gaps_before_[i].value);
+      continue;
+    }
+    kept.push_back(index);
+    if (begin.motion.gap > candidate.tolerance && !open) ++counters_.contacts;
+    const ContactExchange& end = ledger_.end()[static_cast<std::size_t>(index)];
+    if (law.hertz) point.period = rules_.period(point, -f.gap);
+    const double since = state.time - point.entry_time,
+                 entry_rate = since <= point.period ? point.entry_rate : 0;
+    if (may_begin)
+      point.entry_rate = std::max(0.0, -gaps_[i].rate), point.entry_time = state.time;
+    else if (open)
+      point.entry_rate = std::min(point.entry_rate, std::abs(gaps_[i].rate));
+    else if (rules_.is_impact(state.time, point, end))
+      longest = std::min(
+          longest, rules_.impact_step(point, since, std::max(entry_rate, std::sqrt(end.square(point)))));
+    else if (rules_.vibrates(point, end))
+      longest = std::min(longest, point.period / ContactRules::steps_per_vibration);
+
+    const double stored = normal_energy(law, -f.gap) + move_spring(model_, links, f, point) +
+                          move_rolling_spring(model_, links, f, point);
+    if (law.hertz) point.last_depth = std::max(0.0, -f.gap);
+    ledger_.lose(begin.energy - stored - done, shape_a, shape_b);
+  }
+  candidates_.keep(state.contacts, std::move(kept));
+  if (any) ++counters_.steps;
+  double& touch_step = state.touch_step[0];
+  if (touch_step == 0 && longest == HUGE_VAL) return impact_ended;
+  touch_step = std::min(touch_step > 0 ? (uncut ? 1 : ContactRules::growth) * touch_step : HUGE_VAL, longest);
+  if (touch_step >= requested_) touch_step = 0;
+  return impact_ended;
 }
 
 }  // namespace tandem::mbd

@@ -8,7 +8,7 @@
 
 #include "mbd_server/contact/mesh_features.hpp"
 #include "mbd_server/contact/touch.hpp"
-#include "mbd_server/step/body_contacts.hpp"
+#include "mbd_server/step/contact_candidates.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -18,13 +18,10 @@ namespace {
 constexpr double same_foot_of_ball = 0.25, same_foot_of_corner = 0.05;
 // A ball that begins to touch a surface so deep, as a share of the thinner shape, came from behind.
 constexpr double from_behind = 0.1;
-// Where a ball comes to another face, the energy of the change of its rate against the surface matters from
-// this share of the energy that moves on.
-constexpr double least_jump = 1e-10;
 
 }  // namespace
 
-double BodyContacts::same_foot(const ContactFeature& f) const {
+double ContactCandidates::same_foot(const ContactFeature& f) const {
   return f.radius_a > 0 ? same_foot_of_ball * f.radius_a
                         : same_foot_of_corner * model_.contact.shape(f.a).bound;
 }
@@ -32,20 +29,21 @@ double BodyContacts::same_foot(const ContactFeature& f) const {
 // The features of the ball at present that are not those with which it touches. Where `gaps` is given, it
 // gets how far these are from the ones that the step holds, and the watch the distance to the back of a face.
 // Returns that back, where the ball is behind an open mesh and touches nothing.
-std::optional<ContactFeature> BodyContacts::uncovered(const Watch& watch, std::vector<ContactFeature>& found,
-                                                      Gaps* gaps) const {
-  const auto& links = system_.links();
+std::optional<ContactFeature> ContactCandidates::uncovered(const std::vector<LinkMotion>& links,
+                                                           const BallWatch& watch,
+                                                           std::vector<ContactFeature>& found,
+                                                           ContactGaps* gaps) const {
   found.clear();
   std::optional<ContactFeature> behind;
-  watched_features(model_, candidates_[watch.candidate].feature, links, watch.reach, watch.depth, found,
+  watched_features(model_, all_[watch.candidate].feature, links, watch.reach, watch.depth, found,
                    watch.held.empty() ? &behind : nullptr);
   if (gaps) {
-    Gap& g = (*gaps)[watch.candidate];
+    ContactGap& g = (*gaps)[watch.candidate];
     g = {watch.reach, 0};
     if (behind) g.value = gap(model_, *behind, links, &g.rate);
   }
   for (const std::size_t k : watch.held) {
-    const ContactFeature& held = candidates_[k].feature;
+    const ContactFeature& held = all_[k].feature;
     const Vector3d at = foot(model_, held, links);
     double nearest = same_foot(held);
     auto continued = found.end();
@@ -53,7 +51,7 @@ std::optional<ContactFeature> BodyContacts::uncovered(const Watch& watch, std::v
       if (const double distance = (f->place_b - at).norm(); distance < nearest)
         nearest = distance, continued = f;
     if (gaps) {
-      Gap& g = (*gaps)[k];
+      ContactGap& g = (*gaps)[k];
       g.off = g.since = 0;
       if (continued != found.end()) {
         double rate = 0;
@@ -76,39 +74,43 @@ std::optional<ContactFeature> BodyContacts::uncovered(const Watch& watch, std::v
 }
 
 // The distance of the nearest one that does not touch yet.
-void BodyContacts::measure_watch(const std::vector<ContactFeature>& found, Gap& g) const {
+void ContactCandidates::measure_watch(const std::vector<LinkMotion>& links,
+                                      const std::vector<ContactFeature>& found, ContactGap& g) const {
   for (const ContactFeature& f : found) {
     double rate = 0;
-    if (const double value = gap(model_, f, system_.links(), &rate); value < g.value) g = {value, rate};
+    if (const double value = gap(model_, f, links, &rate); value < g.value) g = {value, rate};
   }
 }
 
-void BodyContacts::enter_watched(Watch& watch, bool at_start) {
-  if (const auto back = uncovered(watch, features_, nullptr)) expect_in_front(*back, at_start);
+// What the ball of the watch begins to touch.
+void ContactCandidates::find_beginning(const std::vector<LinkMotion>& links, const BallWatch& watch,
+                                       bool at_start) {
+  beginning_.clear();
+  if (const auto back = uncovered(links, watch, features_, nullptr)) expect_in_front(links, *back, at_start);
   for (const ContactFeature& f : features_) {
     double rate = 0;
-    const double distance = gap(model_, f, system_.links(), &rate);
-    const double near = tolerance(f);
+    const double distance = gap(model_, f, links, &rate), near = rules_.tolerance(f);
     if (!(distance <= near) || (rate > 0 && distance >= -near)) continue;
     // A corner that is no longer one of several in contact may begin deep.
-    const bool alone = f.radius_a > 0 || of_pair(std::min(f.a, f.b), std::max(f.a, f.b)).empty();
-    if (!at_start && alone && -distance > from_behind * thickness_at(model_, f)) fail_from_behind(f, false);
-    watch.held.push_back(candidates_.size());
-    entries_.push_back({candidates_.size(), std::max(0.0, -rate)});
-    candidates_.push_back({f, -1, tolerance(f)});
+    const bool alone = f.radius_a > 0 || of_pair(pair_of(f)).empty();
+    if (!at_start && alone && -distance > from_behind * thickness_at(model_, f))
+      fail_from_behind(links, f, false);
+    beginning_.push_back({f, std::max(0.0, -rate)});
   }
 }
 
 // Throws where a point touches the back of an open mesh.
-void BodyContacts::expect_in_front(const ContactFeature& back, bool at_start) const {
+void ContactCandidates::expect_in_front(const std::vector<LinkMotion>& links, const ContactFeature& back,
+                                        bool at_start) const {
   double rate = 0;
-  const double distance = gap(model_, back, system_.links(), &rate);
-  if (distance > tolerance_ || (!at_start && rate >= 0 && distance >= -tolerance_)) return;
-  fail_from_behind(back, at_start);
+  const double distance = gap(model_, back, links, &rate);
+  if (distance > rules_.tolerance() || (!at_start && rate >= 0 && distance >= -rules_.tolerance())) return;
+  fail_from_behind(links, back, at_start);
 }
 
-void BodyContacts::fail_from_behind(const ContactFeature& f, bool at_start) const {
-  const Vector3d p = model_.origin + link_of(model_, f.a, system_.links()).point(f.place_a);
+void ContactCandidates::fail_from_behind(const std::vector<LinkMotion>& links, const ContactFeature& f,
+                                         bool at_start) const {
+  const Vector3d p = model_.origin + link_of(model_, f.a, links).point(f.place_a);
   throw Error(
       at_start ? ErrorCode::scene : ErrorCode::numerics,
       fmt::format("{} {} {} from behind its surface, at [{:.4g}, {:.4g}, {:.4g}]",
@@ -120,20 +122,23 @@ void BodyContacts::fail_from_behind(const ContactFeature& f, bool at_start) cons
 }
 
 // Centre of the ball of a watch, in the frame of the mesh.
-Vector3d BodyContacts::on_mesh(const ContactFeature& watch) const {
-  return in_link(link_of(model_, watch.b, system_.links()),
-                 link_of(model_, watch.a, system_.links()).point(watch.place_a));
+Vector3d ContactCandidates::on_mesh(const std::vector<LinkMotion>& links, const ContactFeature& watch) const {
+  return in_link(link_of(model_, watch.b, links), link_of(model_, watch.a, links).point(watch.place_a));
+}
+
+void ContactCandidates::mark_balls(const std::vector<LinkMotion>& links) {
+  for (BallWatch& watch : watches_) watch.centre = on_mesh(links, all_[watch.candidate].feature);
 }
 
 // Whether the centre of a ball has gone through a face in the step, although nothing presses it so deep.
-bool BodyContacts::went_through() const {
+bool ContactCandidates::went_through(const std::vector<LinkMotion>& links, const ContactGaps& gaps) const {
   std::vector<ContactMesh::Crossing> crossings;
-  return std::ranges::any_of(watches_, [&](const Watch& watch) {
-    const ContactFeature& f = candidates_[watch.candidate].feature;
+  return std::ranges::any_of(watches_, [&](const BallWatch& watch) {
+    const ContactFeature& f = all_[watch.candidate].feature;
     if (!(f.radius_a > 0)) return false;
-    if (std::ranges::any_of(watch.held, [&](std::size_t k) { return gaps_[k].value <= -f.radius_a; }))
+    if (std::ranges::any_of(watch.held, [&](std::size_t k) { return gaps[k].value <= -f.radius_a; }))
       return false;
-    const Vector3d along = on_mesh(f) - watch.centre;
+    const Vector3d along = on_mesh(links, f) - watch.centre;
     // A ball is no nearer to a face that it does not touch; an end of a cylinder may be.
     if (along.norm() < f.radius_a && f.axis_a.isZero(0)) return false;
     model_.contact.shape(f.b).mesh->meet(watch.centre, along, crossings);
@@ -141,25 +146,8 @@ bool BodyContacts::went_through() const {
   });
 }
 
-// The point touches with the feature as it is now: of a face its corners have moved along its edges, on a
-// mesh another part may be nearest. The energy of its spring that this takes counts as dissipated. True where
-// the normal on a mesh has another direction: the body then approaches the surface at once, and the next
-// steps resolve it.
-bool BodyContacts::follow(State& state, const ContactFeature& feature, Eigen::Index index) {
-  auto column = state.contacts.col(index);
-  const ContactForce before = evaluate(model_, column, system_.links(), Derivatives::without);
-  set_feature(feature, column);
-  const ContactForce after = evaluate(model_, column, system_.links(), Derivatives::without);
-  lose(before.energy - after.energy, feature.a, feature.b);
-  if (!feature.on_mesh) return false;
-  const double jump = after.n.dot(after.velocity) - before.n.dot(before.velocity);
-  if (!(0.5 * column[ContactRow::mass] * jump * jump > least_jump * energy_scale_)) return false;
-  shorten(state, column);
-  return true;
-}
-
 // Throws where a corner or an edge comes through the flat end of a cylinder.
-void BodyContacts::expect_round_side(const ContactFeature& f, double gap) const {
+void ContactCandidates::expect_round_side(const ContactFeature& f, double gap) const {
   for (const int i : {f.a, f.b}) {
     const ContactShape& shape = model_.contact.shape(i);
     if (shape.kind != ContactShape::Kind::cylinder || -gap <= from_behind * thickness_at(model_, f)) continue;

@@ -131,7 +131,7 @@ int main(int count, char** arguments) {
   const auto after = facts();
   std::nth_element(times.begin(), times.begin() + steps / 2, times.end());
   const double taken = after["mbd_steps"].get<double>() - before["mbd_steps"].get<double>();
-  const auto points = static_cast<double>(solver.state().contacts.cols());
+  const auto points = static_cast<double>(solver.state().contacts.size());
   const double us = 1e6 * times[static_cast<std::size_t>(steps / 2)] * steps / taken;
   std::printf(
       "%s,%d,%.0f,%.1f,%.1f,%.3f,%.2f\n", topology.c_str(), bodies, points, taken, us, us / points,

@@ -260,23 +260,21 @@ void touch_all(Differences& d) {
   for (int b = 1; b < std::ssize(d.model.contact.shapes); ++b)
     for (int a = 0; a < b; ++a) find_features(d.model, a, b, d.system.links(), .2, -1, features);
   std::erase_if(features, [](const ContactFeature& f) { return f.kind == ContactFeature::Kind::watch; });
-  d.state.contacts.setZero(ContactRow::count, std::ssize(features));
-  for (Eigen::Index k = 0; k < std::ssize(features); ++k) {
-    ContactColumn column = ContactColumn::Zero();
-    set_feature(features[static_cast<std::size_t>(k)], column);
-    column[ContactRow::mass] = column[ContactRow::pressing_mass] = .5, column[ContactRow::entry_rate] = 3;
-    column[ContactRow::stiffness] = 60, column[ContactRow::damping] = 2;
-    column.segment<3>(ContactRow::on_a) = d.any(3, .1), column.segment<3>(ContactRow::on_b) = d.any(3, .3);
+  d.state.contacts.clear();
+  for (const ContactFeature& feature : features) {
+    ContactPoint& point = d.state.contacts.emplace_back();
+    point.feature = feature;
+    point.mass = point.pressing_mass = .5, point.entry_rate = 3;
+    point.friction.stiffness = 60, point.friction.damping = 2;
+    point.friction.on_a = d.any(3, .1), point.friction.on_b = d.any(3, .3);
     // The springs of Hertz's law have become stiffer since the begin of the step.
     if (d.model.contact.laws[0].hertz) {
-      column[ContactRow::last_depth] = .02, column.segment<3>(ContactRow::last_stretch) = d.any(3, .3);
-      column[ContactRow::rolling_radius] = .4;
-      column[ContactRow::rolling_stiffness] = 5, column[ContactRow::rolling_damping] = .2;
-      column.segment<3>(ContactRow::roll_a) = d.any(3, 1),
-      column.segment<3>(ContactRow::roll_b) = d.any(3, 1);
-      column.segment<3>(ContactRow::last_bend) = d.any(3, .3);
+      point.last_depth = .02, point.friction.last_stretch = d.any(3, .3);
+      point.rolling.radius = .4;
+      point.rolling.stiffness = 5, point.rolling.damping = .2;
+      point.rolling.on_a = d.any(3, 1), point.rolling.on_b = d.any(3, 1);
+      point.rolling.last_bend = d.any(3, .3);
     }
-    d.state.contacts.col(k) = column;
   }
 }
 
@@ -313,7 +311,7 @@ TEST(IterationMatrix, OfAHeapIsTheDerivative) {
       Differences d(scene);
       d.scatter(1);
       touch_all(d);
-      ASSERT_GT(d.state.contacts.cols(), 6) << heap.what;
+      ASSERT_GT(std::ssize(d.state.contacts), 6) << heap.what;
       d.expect_inverse(heap.what, all_weights, d.state.q, d.x0);
       d.expect_inverse(heap.what, {1, .3, .3}, d.state.q, d.x0);
     }
@@ -366,8 +364,8 @@ TEST(IterationMatrix, OfContactsIsTheDerivative) {
       d.system.move(start.q, d.any(d.model.freedoms, .02), d.state.q);
       touch_all(d);
       bool any = false;
-      for (Eigen::Index k = 0; k < d.state.contacts.cols(); ++k) {
-        const ContactForce f = evaluate(d.model, d.state.contacts.col(k), d.system.links());
+      for (Eigen::Index k = 0; k < std::ssize(d.state.contacts); ++k) {
+        const ContactForce f = evaluate(d.model, d.state.contacts[k], d.system.links());
         any |= f.normal > 0 && f.slides == (friction > 0 && friction < 1);
       }
       EXPECT_TRUE(any) << t.what;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "tests/support/rigid_motion.hpp"
 #include "tests/verification/mbd/contact_machines.hpp"
@@ -62,6 +63,49 @@ TEST(Contact, BoxReturnsByItsRestitution) {
 }
 
 // Free bodies: momentum stays, and the relative rate returns by the restitution.
+// Where many bodies touch, impacts begin within steps (ContactRules::uncut_step). Each ball returns as it
+// would alone, whatever the order of the bodies.
+TEST(Contact, ManyImpactsAtOnceReturnTheirShare) {
+  constexpr int resting = 10, falling = 40;
+  for (const double e : {0.1, 0.5, 0.9}) {
+    std::vector<double> returned(falling), place(falling);
+    for (const bool reversed : {false, true}) {
+      ContactScene s;
+      s.add_floor();
+      s.material().restitution = e;
+      s.material().stiffness = 1e8;
+      const auto height = [](int k) { return 0.3 + 5e-6 * k * (1 + 0.01 * k); };  // of the fall
+      const auto add = [&](int k) {
+        const bool rests = k >= falling;
+        s.add_ball("ball_" + std::to_string(k), 1, 0.1, {k * 0.3, 0, 0.1 + (rests ? -g / 1e8 : height(k))});
+      };
+      for (int i = 0; i < resting + falling; ++i) add(reversed ? resting + falling - 1 - i : i);
+      ContactRun run(s.scene, 1e-3);
+      std::vector<double> best(falling, 0);
+      for (int i = 0; i < 300; ++i) {
+        run.advance(1);
+        const auto seen = run.solver.observe();
+        for (int k = 0; k < falling; ++k) {
+          const auto& body = seen.bodies[static_cast<std::size_t>(reversed ? resting + falling - 1 - k : k)];
+          const double v = body.twist.v_WB.z, z = body.pose.p_WB.z;
+          if (v > 0) best[k] = std::max(best[k], z - 0.1 + v * v / (2 * g));
+          if (!reversed) place[k] = z;
+        }
+      }
+      double worst = 0, moved = 0;
+      for (int k = 0; k < falling; ++k) {
+        worst = std::max(worst, std::abs(std::sqrt(best[k] / height(k)) - e));
+        const auto body = static_cast<std::size_t>(reversed ? resting + falling - 1 - k : k);
+        moved = std::max(moved, std::abs(run.position(body).z - place[k]));
+      }
+      expect_near("e " + std::to_string(e) + ": largest error of the rate after over before", worst, 0,
+                  0.01 * e);
+      expect_near("e " + std::to_string(e) + ": by the order of bodies, m", moved, 0, 1e-9);
+      expect_energy(run, 1e-9);
+    }
+  }
+}
+
 TEST(Contact, BallsCollide) {
   for (const double e : {0.5, 1.0}) {
     ContactScene s({0, 0, 0});

@@ -87,7 +87,7 @@ TEST(Contact, EdgesThatLieOnEachOtherDoNotCross) {
     s.body(upper).pose.q_WB = exp(Vec3d{0, 0, turn});
     const ContactRun run(s.scene, 1e-3);
     expect_near("points of equal faces, turned by " + std::to_string(turn) + " rad",
-                static_cast<double>(run.solver.state().contacts.cols()), turn < 1e-4 ? 4 : 8, 0);
+                static_cast<double>(run.solver.state().contacts.size()), turn < 1e-4 ? 4 : 8, 0);
   }
 }
 

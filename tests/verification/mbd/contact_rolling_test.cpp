@@ -162,24 +162,22 @@ TEST(RollingFriction, Derivatives) {
     ContactFeature feature;
     feature.a = 0, feature.b = 1;
     feature.radius_a = 0.1, feature.radius_b = 0.2;
-    ContactColumn column = ContactColumn::Zero();
-    set_feature(feature, column);
+    ContactPoint point;
+    point.feature = feature;
     const Touch t = touch(model, feature, links);
     ASSERT_LT(t.gap, 0);
-    column[ContactRow::mass] = column[ContactRow::pressing_mass] = 0.3, column[ContactRow::entry_rate] = 0.4;
-    column[ContactRow::stiffness] = 3e4, column[ContactRow::damping] = 20;
-    column.segment<3>(ContactRow::on_a) = in_link(links[one], t.p);
-    column.segment<3>(ContactRow::on_b) = in_link(links[two], t.p + Vector3d(1e-4, 2e-4, -1e-4));
-    column[ContactRow::rolling_radius] = rolling_radius(feature);
-    column[ContactRow::rolling_stiffness] = rolls ? 5000 : 200, column[ContactRow::rolling_damping] = 0.02;
-    column.segment<3>(ContactRow::roll_a) =
-        links[one].R_WL.transpose() * (t.n + Vector3d(0.01, 0, 0.02)).normalized();
-    column.segment<3>(ContactRow::roll_b) =
-        links[two].R_WL.transpose() * (t.n + Vector3d(0, 0.012, 0)).normalized();
-    const ContactForce f = evaluate(model, column, links);
+    point.mass = point.pressing_mass = 0.3, point.entry_rate = 0.4;
+    point.friction.stiffness = 3e4, point.friction.damping = 20;
+    point.friction.on_a = in_link(links[one], t.p);
+    point.friction.on_b = in_link(links[two], t.p + Vector3d(1e-4, 2e-4, -1e-4));
+    point.rolling.radius = rolling_radius(feature);
+    point.rolling.stiffness = rolls ? 5000 : 200, point.rolling.damping = 0.02;
+    point.rolling.on_a = links[one].R_WL.transpose() * (t.n + Vector3d(0.01, 0, 0.02)).normalized();
+    point.rolling.on_b = links[two].R_WL.transpose() * (t.n + Vector3d(0, 0.012, 0)).normalized();
+    const ContactForce f = evaluate(model, point, links);
     EXPECT_EQ(f.rolls, rolls);
     const auto wrench = [&](const std::vector<LinkMotion>& at) {
-      const ContactForce seen = evaluate(model, column, at, Derivatives::without);
+      const ContactForce seen = evaluate(model, point, at, Derivatives::without);
       return wrench_at(seen.p, seen.force, seen.torque);
     };
     // A displacement X of a link carries its velocity with it.
