@@ -80,6 +80,32 @@ Meeting meeting_of(const Triangle& a, const Triangle& b) {
   return meeting;
 }
 
+// Do two triangles of one plane have an area in common? No axis separates them, of the normals of their
+// edges. Within 1e-6 of their size, as corners of single precision are.
+bool lie_on_each_other(const Triangle& a, const Triangle& b) {
+  const Vec3d na = cross(a[1] - a[0], a[2] - a[0]);
+  if (!(norm(na) > 0)) return false;
+  const Vec3d normal = (1 / norm(na)) * na;
+  double size2 = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    size2 = std::max({size2, norm2(a[(i + 1) % 3] - a[i]), norm2(b[(i + 1) % 3] - b[i])});
+  const double within = 1e-6 * std::sqrt(size2);
+  for (const Vec3d& corner : b)
+    if (std::abs(dot(normal, corner - a[0])) > within) return false;
+  for (const Triangle* of : {&a, &b})
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3d across = cross(normal, (*of)[(i + 1) % 3] - (*of)[i]);
+      if (!(norm(across) > 0)) return false;
+      Interval one, other;
+      for (std::size_t k = 0; k < 3; ++k) {
+        one.add(dot(across, a[k] - a[0]) / norm(across));
+        other.add(dot(across, b[k] - a[0]) / norm(across));
+      }
+      if (std::min(one.high, other.high) - std::max(one.low, other.low) <= within) return false;
+    }
+  return true;
+}
+
 // Edges that lie in the inside of a triangle: there the surface of the edge goes through where it goes on on
 // the other side.
 class EdgesInTriangles {
@@ -137,6 +163,11 @@ void find_intersections(const TriangleMesh& mesh, MeshFaults& faults) {
       for (int n = 0; n < 3; ++n) apart |= a.low[n] > b.high[n] || b.low[n] > a.high[n];
       if (apart) continue;
       const auto &one = mesh.triangles[a.triangle], &other = mesh.triangles[b.triangle];
+      if (faults.overlaps < most_intersections && !std::ranges::is_permutation(one, other) &&
+          lie_on_each_other(corners(a.triangle), corners(b.triangle))) {
+        if (faults.overlaps == 0) faults.overlap_at = corners(a.triangle)[0];
+        ++faults.overlaps;
+      }
       if (std::ranges::any_of(one,
                               [&](std::uint32_t v) { return std::ranges::find(other, v) != other.end(); }))
         continue;
@@ -208,6 +239,10 @@ std::string report_of(const MeshFaults& faults, const std::string& file) {
   count("self-intersections", faults.intersections,
         std::string(faults.intersections == most_intersections ? " or more" : "") +
             " pairs of triangles, the first at " + at(faults.intersection_at));
+  count("lie on each other", faults.overlaps,
+        std::string(faults.overlaps == most_intersections ? " or more" : "") +
+            " pairs of triangles, the first at " + at(faults.overlap_at) +
+            ": the volume between may count twice");
   if (faults.is_inside_out()) line("inside out", "the triangles wind clockwise as seen from outside");
   if (!faults.why_not_solid.empty()) line("no solid", faults.why_not_solid);
   return text;

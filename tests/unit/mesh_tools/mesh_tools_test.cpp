@@ -172,6 +172,18 @@ TEST(MeshCheck, FindsTrianglesThatGoThroughEdgesOfOthers) {
   EXPECT_EQ(faults_of(with(ridge, trough, {0, 0, -0.1})).intersections, 4u);
 }
 
+// Sides that are flush, or sides that face each other: an area of one plane belongs to both.
+TEST(MeshCheck, NamesTrianglesThatLieOnEachOther) {
+  for (const Vec3d by : {Vec3d{0.5, 0, 0}, {1, 0.5, 0.5}, {0, 0.25, 0.5}}) {
+    const std::string report = report_of(faults_of(with(cube, cube, by)), "x.stl");
+    EXPECT_THAT(report, HasSubstr("has faults"));
+    EXPECT_THAT(report, HasSubstr("lie on each other"));
+  }
+  EXPECT_TRUE(faults_of(with(cube, cube, {1.5, 0, 0})).is_sound());
+  EXPECT_TRUE(faults_of(with(cube, cube, {1, 1, 0})).is_sound());  // along an edge
+  EXPECT_TRUE(faults_of(ball).is_sound());
+}
+
 TriangleMesh turned(TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
   return mesh;
