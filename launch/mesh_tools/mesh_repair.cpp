@@ -75,26 +75,51 @@ class Repair {
     mesh_ = std::move(all);
   }
 
+  // Opposite triangles between two solids are an inner wall, where both go: each edge belongs to an even
+  // number of triangles. Elsewhere one of two stays, so that the surface does not open.
   void drop_empty_and_double() {
-    std::set<Corners> known;
-    std::vector<Corners> kept;
-    std::size_t empty = 0, doubles = 0;
     const std::vector<std::size_t> degenerate = degenerate_triangles(mesh_);
+    std::vector<Corners> with_area;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      Corners sorted = mesh_.triangles[t];
-      std::ranges::sort(sorted);
-      const bool has_area =
-          sorted[0] != sorted[1] && sorted[1] != sorted[2] && !std::ranges::binary_search(degenerate, t);
-      if (!has_area)
-        ++empty;
-      else if (!known.insert(sorted).second)
-        ++doubles;
-      else
-        kept.push_back(mesh_.triangles[t]);
+      const auto& [a, b, c] = mesh_.triangles[t];
+      if (a != b && b != c && c != a && !std::ranges::binary_search(degenerate, t))
+        with_area.push_back(mesh_.triangles[t]);
     }
+    say(mesh_.triangles.size() - with_area.size(), "triangles without area left out");
+    mesh_.triangles = std::move(with_area);
+
+    const auto at = triangles_at_edges();
+    std::map<Corners, std::size_t> known;
+    std::vector<bool> stays(mesh_.triangles.size(), true);
+    std::size_t doubles = 0, walls = 0;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const Corners& own = mesh_.triangles[t];
+      Corners sorted = own;
+      std::ranges::sort(sorted);
+      const auto [first, is_new] = known.try_emplace(sorted, t);
+      if (is_new) continue;
+      stays[t] = false;
+      bool is_wall = are_opposite(own, mesh_.triangles[first->second]);
+      for (std::size_t i = 0; i < 3; ++i) is_wall &= at.at(edge_of(own[i], own[(i + 1) % 3])).size() % 2 == 0;
+      if (is_wall) {
+        stays[first->second] = false;
+        known.erase(first);
+        ++walls;
+      } else {
+        ++doubles;
+      }
+    }
+    std::vector<Corners> kept;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
+      if (stays[t]) kept.push_back(mesh_.triangles[t]);
     mesh_.triangles = std::move(kept);
-    say(empty, "triangles without area left out");
     say(doubles, "duplicate triangles left out");
+    say(walls, "pairs of opposite triangles left out, as the wall between two solids");
+  }
+
+  static bool are_opposite(const Corners& a, const Corners& b) {
+    const auto i = static_cast<std::size_t>(std::ranges::find(b, a[0]) - b.begin());
+    return b[(i + 2) % 3] == a[1];
   }
 
   std::map<Edge, std::vector<std::size_t>> triangles_at_edges() const {

@@ -21,9 +21,9 @@ struct RepairedMesh {
 };
 
 // In this order: corners that are nearly at one place become one; triangles without area and duplicates are
-// left out; edges are divided at corners that lie on them; triangles wind as their neighbours; openings are
-// filled by triangles about their middle; closed parts turn outwards (see turn_outwards()).
-// Self-intersections stay.
+// left out, and both of opposite ones where they are a wall between two solids; edges are divided at corners
+// that lie on them; triangles wind as their neighbours; openings are filled by triangles about their middle;
+// closed parts turn outwards (see turn_outwards()). Self-intersections stay.
 RepairedMesh repaired(const TriangleMesh& mesh, const RepairOptions& options);
 
 // Largest distance found from corners, middles of edges and middles of triangles of each mesh to the other

@@ -217,6 +217,19 @@ TEST(MeshRepair, EachClosedPartTurnsOutwardsButCavitiesInwards) {
   EXPECT_THAT(left.why_not_solid, HasSubstr("inside another one of the same winding"));
 }
 
+// Two boxes with a face in common are one; a triangle that is there twice, once turned, stays once.
+TEST(MeshRepair, AnInnerWallGoes) {
+  const RepairedMesh joined = repaired(with(cube, cube, {1, 0, 0}), {});
+  const MeshFaults left = faults_of(joined.mesh);
+  std::printf("  %zu triangles, volume %.12g\n", joined.mesh.triangles.size(), left.facts.volume.value_or(0));
+  EXPECT_TRUE(left.is_sound()) << report_of(left, "joined");
+  EXPECT_EQ(joined.mesh.triangles.size(), 20u);
+  EXPECT_NEAR(left.facts.volume.value_or(0), 2, 1e-12);
+  TriangleMesh twice = cube;
+  twice.triangles.push_back(turned(TriangleMesh{{}, {cube.triangles[3]}}).triangles[0]);
+  EXPECT_THAT(repaired(twice, {}).done, testing::ElementsAre("1 duplicate triangles left out"));
+}
+
 TEST(MeshCoarsen, StaysWithinTheStatedDeviation) {
   const TriangleMesh fine = sphere_mesh(0.1, 96);
   const CoarseMesh coarse = coarsened(fine, 1e-3);
