@@ -66,16 +66,38 @@ void measure(Part& part) {
                    6;
 }
 
-// By the first vertices of `inner` that are not on the surface of `outer`.
+// Points a little way under the largest triangles of a closed part, clearly inside it.
+std::vector<Vec3d> points_inside(const Part& part) {
+  constexpr std::size_t most_points = 8;
+  const auto twice_area = [&](const std::array<std::uint32_t, 3>& t) {
+    const Vec3d a = part.mesh.vertices[t[0]];
+    return cross(part.mesh.vertices[t[1]] - a, part.mesh.vertices[t[2]] - a);
+  };
+  std::vector<std::array<std::uint32_t, 3>> largest = part.mesh.triangles;
+  std::ranges::stable_sort(
+      largest, [&](const auto& a, const auto& b) { return norm2(twice_area(a)) > norm2(twice_area(b)); });
+  std::vector<Vec3d> points;
+  for (std::size_t i = 0; i < largest.size() && points.size() < most_points; ++i) {
+    const Vec3d area = twice_area(largest[i]);
+    if (!(norm(area) > 0)) break;
+    const auto& [p, q, r] = largest[i];
+    const Vec3d centroid =
+        (1.0 / 3) * (part.mesh.vertices[p] + part.mesh.vertices[q] + part.mesh.vertices[r]);
+    const double way = (part.volume > 0 ? -1e-2 : 1e-2) / std::sqrt(norm(area));
+    const Vec3d point = centroid + way * area;
+    if (std::abs(std::abs(winding_number(part.mesh, point)) - 1) < 1e-3) points.push_back(point);
+  }
+  return points;
+}
+
+// Corners of `inner` may be on the surface of `outer`, so points inside it decide, if all of them agree.
 bool is_inside(const Part& inner, const Part& outer) {
   for (int k = 0; k < 3; ++k)
     if (inner.low[k] < outer.low[k] || inner.high[k] > outer.high[k]) return false;
-  constexpr std::size_t most_tries = 16;
-  for (std::size_t i = 0; i < std::min(most_tries, inner.mesh.vertices.size()); ++i) {
-    const double winding = winding_number(outer.mesh, inner.mesh.vertices[i]);
-    if (std::abs(winding - std::round(winding)) < 1e-3) return std::round(winding) != 0;
-  }
-  return false;
+  const std::vector<Vec3d> points = points_inside(inner);
+  return !points.empty() && std::ranges::all_of(points, [&](Vec3d point) {
+    return std::abs(winding_number(outer.mesh, point)) > 0.5;
+  });
 }
 
 }  // namespace closed_parts

@@ -230,6 +230,18 @@ TEST(MeshRepair, AnInnerWallGoes) {
   EXPECT_THAT(repaired(twice, {}).done, testing::ElementsAre("1 duplicate triangles left out"));
 }
 
+// A cavity that is flush with a face: its corners on that face say nothing about inside and outside.
+TEST(MeshRepair, APocketThatTouchesItsBoxStaysACavity) {
+  const TriangleMesh pocket = turned(box_mesh({0.5, 0.5, 0.5}));
+  for (const Vec3d by : {Vec3d{-0.25, 0, 0}, {0.25, 0, 0}, {0, -0.25, 0}, {0, 0, 0.25}, {0.25, 0.25, 0.25}}) {
+    const RepairedMesh result = repaired(with(cube, pocket, by), {});
+    const MeshFaults left = faults_of(result.mesh);
+    EXPECT_THAT(result.done, testing::Not(testing::Contains(HasSubstr("turned"))));
+    EXPECT_NEAR(left.facts.volume.value_or(0), 0.875, 1e-12);
+    EXPECT_FALSE(left.is_sound());
+  }
+}
+
 TEST(MeshCoarsen, StaysWithinTheStatedDeviation) {
   const TriangleMesh fine = sphere_mesh(0.1, 96);
   const CoarseMesh coarse = coarsened(fine, 1e-3);
