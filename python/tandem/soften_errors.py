@@ -88,6 +88,8 @@ def _box(signal: Any) -> Tuple[List[float], List[float]]:
 def error_of_text(text: str) -> float:
     """"1%" or "0.01"."""
     try:
+        if "_" in text:  # which Python would skip
+            raise ValueError
         value = float(text[:-1]) / 100 if text.endswith("%") else float(text)
     except ValueError:
         value = 0.0

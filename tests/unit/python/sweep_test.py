@@ -171,8 +171,11 @@ class Words(Case):
     def test_values(self):
         self.assertEqual(values_of("mouth=0.05:0.08:4"), ("mouth", [.05, .06, .07, .08]))
         self.assertEqual(values_of("pitch=10,20"), ("pitch", [10, 20]))
-        for text in ("mouth", "mouth=", "=1", "mouth=1:2", "mouth=1:2:1", "mouth=a", "mouth=nan", "mouth=1,inf", "mouth=0:inf:3", "mouth=1e400"):
+        for text in ("mouth", "mouth=", "=1", "mouth=1:2", "mouth=1:2:1", "mouth=a", "mouth=1_0", "mouth=1:2:1_0"):
             with self.assertRaisesRegex(td.SceneError, "gives no parameter values"):
+                values_of(text)
+        for text, word in (("mouth=nan", "nan"), ("mouth=1,inf", "inf"), ("mouth=0:-inf:3", "-inf"), ("mouth=1e400", "1e400")):
+            with self.assertRaisesRegex(td.SceneError, f"--set: '{word}' is no finite number"):
                 values_of(text)
 
     def test_command(self):
