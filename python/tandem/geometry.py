@@ -188,6 +188,14 @@ def bounds_in(shape: dict, position: Any, orientation: Any) -> Optional[Tuple[An
     return placed.min(axis=0), placed.max(axis=0)
 
 
+def _found_mesh(mesh, made_at: Optional[str]) -> str:
+    """The full name of a mesh file, whose name starts at the current folder."""
+    file = os.path.abspath(os.fspath(mesh))
+    if not os.path.isfile(file):
+        raise SceneError(f"there is no mesh file '{mesh}'", hint=f"looked in {os.path.dirname(file)}", made_at=made_at)
+    return file
+
+
 def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=None, open=None, made_at=None, cone=None) -> Optional[dict]:
     """The one shape that the arguments describe, or None."""
     given = [name for name, value in dict(mesh=mesh, box=box, sphere=sphere, cylinder=cylinder, cone=cone, shape=shape).items()
@@ -195,10 +203,7 @@ def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=
     if len(given) > 1:
         raise SceneError(" and ".join(f"{name}=" for name in given) + " are given", hint="give one shape", made_at=made_at)
     if mesh is not None:
-        file = os.path.abspath(os.fspath(mesh))
-        if not os.path.isfile(file):
-            raise SceneError(f"there is no mesh file '{mesh}'", hint=f"looked in {os.path.dirname(file)}", made_at=made_at)
-        result = {"type": "mesh", "file": file, "scale": plain(scale)}
+        result = {"type": "mesh", "file": _found_mesh(mesh, made_at), "scale": plain(scale)}
     elif box is not None:
         result = {"type": "box", "size": plain(box)}
     elif sphere is not None:
@@ -211,6 +216,8 @@ def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=
         result = {"type": "cone", "radius": plain(low), "top_radius": plain(high), "height": plain(height), "segments": 64}
     elif shape is not None:
         result = dict(plain(shape))
+        if isinstance(result.get("file"), str) and not result["file"].startswith("="):
+            result["file"] = _found_mesh(result["file"], made_at)
     else:
         return None
     if open is not None:

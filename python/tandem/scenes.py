@@ -250,14 +250,13 @@ class Scene(Machine, Grains, Execution):
         return data
 
     def json(self, folder: Optional[str] = None) -> str:
-        """The scene as the text of a file; mesh files are relative to `folder` where they are inside of it."""
+        """The scene as the text of a file; names of mesh files are relative to `folder` where they are inside of it, full elsewhere."""
         data = copy.deepcopy(self.complete())
-        if folder is not None:
-            root = os.path.abspath(folder)
-            for entry, key in files_of(data):
-                path = os.path.relpath(entry[key], root)
-                if not path.startswith(".."):
-                    entry[key] = path
+        root = os.path.abspath(folder) if folder is not None else None
+        for entry, key in files_of(data):
+            entry[key] = os.path.abspath(entry[key])  # names of Python start at the current folder
+            if root is not None and not os.path.relpath(entry[key], root).startswith(".."):
+                entry[key] = os.path.relpath(entry[key], root)
         return text_of(data)
 
     def __str__(self) -> str:
