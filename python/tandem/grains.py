@@ -11,12 +11,15 @@ from tandem.values import axis as direction
 class Grains:
     """Methods of Scene for materials, walls and spheres."""
 
-    def material(self, name: str, *, density: Any, young: Any, poisson: Any = 0.25, friction: Any = None, restitution: Any = None,
+    def material(self, name: str, *, density: Any = None, young: Any = None, poisson: Any = None, friction: Any = None, restitution: Any = None,
                  rolling_friction: Any = None, **keys: Any) -> Part:
         """A material of spheres and walls: density [kg/m3], Young's modulus [Pa], and per pair of materials the geometric mean of
-        friction and restitution; pair() overrides that. `poisson` is 0.25 by default."""
+        friction and restitution; pair() overrides that. `poisson` is 0.25 by default. s.material("glass") takes from the library of
+        docs/materials.md what is not given."""
         if rolling_friction is not None:
             self.section("dem").setdefault("rolling", "elastic_plastic")
+        if poisson is None and young is not None:
+            poisson = 0.25
         return self.add("dem.materials", name=name, density=density, young=young, poisson=poisson, friction=friction,
                         restitution=restitution, rolling_friction=rolling_friction, **keys)
 
@@ -171,7 +174,10 @@ class Grains:
 
     def _rest_energy(self, sizes: Any, material: Any) -> float:
         """A thousandth of the energy of a mean sphere that falls by its radius, at most a twentieth of that of the smallest."""
-        density = next((m["density"] for m in self.entries("dem.materials") if m.get("name") == plain(material)), None)
+        density = next((m.get("density") for m in self.entries("dem.materials") if m.get("name") == plain(material)), None)
+        if not isinstance(density, (int, float)):
+            raise SceneError(f"the energy of rest does not follow: the density of '{plain(material)}' is no number here",
+                             hint='give settle={"kinetic_energy": 1e-6} [J], or density= of the material')
         if isinstance(sizes, dict):
             listed = sizes.get("radius") or [size / 2 for size in sizes.get("size", [])[1:]] or [0]
             small = sizes.get("min", min(listed))

@@ -3,7 +3,7 @@ import copy
 from typing import Any, List, Optional
 
 from tandem import geometry, reshaping
-from tandem.entries import Entry, SceneError, calling_line, nearest, plain, text_of
+from tandem.entries import Entry, NoSuchName, SceneError, calling_line, nearest, plain, text_of
 from tandem.schema import keys_of
 from tandem.values import axis, function_of_time
 
@@ -42,7 +42,7 @@ class Part:
     def __getitem__(self, key: str) -> Any:
         if key not in self.entry:
             self._expect(key)
-            raise KeyError(f"'{key}' of '{self.name}' is not given")
+            raise NoSuchName(f"'{key}' of '{self.name}' is not given")
         return self.entry[key]
 
     def __setitem__(self, key: str, value: Any) -> None:

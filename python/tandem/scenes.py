@@ -5,7 +5,7 @@ import os
 import pathlib
 from typing import Any, Dict, Iterator, List, Optional, Sequence
 
-from tandem.entries import Entry, SceneError, calling_line, nearest, plain, text_of
+from tandem.entries import Entry, NoSuchName, SceneError, calling_line, nearest, plain, text_of
 from tandem.execution import Execution
 from tandem.grains import Grains
 from tandem.machine import Machine
@@ -144,7 +144,10 @@ class Scene(Machine, Grains, Execution):
         here: Any = self.data
         for key in path.split("."):
             here = here.get(key, {}) if isinstance(here, dict) else {}
-        return here if isinstance(here, list) else []
+        if not isinstance(here, list):
+            return []
+        # What is no object is wrong, which the program says.
+        return here if all(isinstance(entry, dict) for entry in here) else [entry for entry in here if isinstance(entry, dict)]
 
     def add(self, where: str, **keys: Any) -> Any:
         """Adds an object to a list of the scene by its keys of docs/scene_format.md, and returns it:
@@ -175,11 +178,11 @@ class Scene(Machine, Grains, Execution):
         where, name = name if isinstance(name, tuple) else (None, name)
         found = [(path, entry) for path in ORDER if where in (None, path) for entry in self.entries(path) if entry.get("name") == name]
         if len(found) > 1:
-            raise KeyError(f"'{name}' is in " + " and ".join(path for path, _ in found) + f"; write s[\"{found[0][0]}\", \"{name}\"]")
+            raise NoSuchName(f"'{name}' is in " + " and ".join(path for path, _ in found) + f"; write s[\"{found[0][0]}\", \"{name}\"]")
         if found:
             kind, view = LISTS[found[0][0]]
             return view(self, found[0][1], kind)
-        raise KeyError(f"the scene '{self.name}' has no '{name}'" + nearest(name, [part.name for part in self.parts()]))
+        raise NoSuchName(f"the scene '{self.name}' has no '{name}'" + nearest(name, [part.name for part in self.parts()]))
 
     def __contains__(self, name: str) -> bool:
         return any(part.name == name for part in self.parts())

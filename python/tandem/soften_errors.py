@@ -2,7 +2,7 @@
 import math
 from typing import Any, List, Sequence, Tuple
 
-from tandem.entries import SceneError
+from tandem.entries import NoSuchName, SceneError
 
 
 class Measure:
@@ -25,7 +25,7 @@ class Measure:
                 return
             found = results[column]
             if not hasattr(found, "values"):
-                raise KeyError(f"'{column}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in found.channels))
+                raise NoSuchName(f"'{column}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in found.channels))
         except KeyError as error:
             self._expect(False, str(error.args[0]), "")
         except ValueError:

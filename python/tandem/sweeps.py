@@ -12,7 +12,7 @@ import threading
 import time
 from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Union
 
-from tandem.entries import SceneError, nearest, plain
+from tandem.entries import NoSuchName, SceneError, nearest, plain
 from tandem.program import find_tandem
 from tandem.scenes import Scene
 from tandem.sweep_scores import Score, expect_words, score_of
@@ -43,7 +43,7 @@ class Row:
         for values in (self.values, self.scores):
             if name in values:
                 return values[name]
-        raise KeyError(f"a variant has no '{name}'" + nearest(name, list(self.values) + list(self.scores)))
+        raise NoSuchName(f"a variant has no '{name}'" + nearest(name, list(self.values) + list(self.scores)))
 
     def __repr__(self) -> str:
         scores = "".join(f", {name} = {value:.6g}" for name, value in self.scores.items())

@@ -163,6 +163,19 @@ class Errors(unittest.TestCase):
             call()
         self.assertTrue(caught.exception.made_at.startswith(__file__), caught.exception.made_at)
 
+    def test_a_material_of_the_library(self):
+        s = td.Scene("s", 1)
+        self.assertEqual(s.material("glass").entry, {"name": "glass"})
+        self.assertEqual(s.material("own", density=1, young=1e7).poisson, .25)
+        bed = s.box("bed", (1, 1, 1), material="glass")
+        self.check("density of 'glass' is no number here .give settle=", lambda: s.fill(bed, "glass", radius=.1, settle=True))
+
+    def test_a_list_that_holds_a_text_is_left_to_the_program(self):
+        s = td.Scene("s", 1)
+        s.section("dem")["materials"] = ["steel"]
+        self.assertEqual(list(s.parts()), [])
+        self.assertIn("the value is", str(s.error_of("error: dem.materials[0]: the value is 'steel'")))
+
     def test_wrong_words(self):
         s = digger()
         self.check("no key 'dampin'; did you mean 'damping'", lambda: s.revolute("h", "ground", "arm", at=(0, 0, 0), axis="y", dampin=1))
