@@ -40,7 +40,8 @@ std::string text(double value) {
   const std::string digits = number(value, std::chars_format::general, 15);
   double read = value;
   std::from_chars(digits.data(), digits.data() + digits.size(), read);
-  return number(read);
+  const std::string exact = number(value), rounded = number(read);
+  return rounded.size() + 5 <= exact.size() ? rounded : exact;
 }
 std::string text(Vec3d value) {
   return list(text(value.x), text(value.y), text(value.z));

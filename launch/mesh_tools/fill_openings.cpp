@@ -25,8 +25,7 @@ void fill(TriangleMesh& mesh, const std::vector<Vertex>& loop) {
   const auto add = [&](Vertex a, Vertex b, Vertex c) { mesh.triangles.push_back({a, b, c}); };
   if (loop.size() == 3) return add(loop[0], loop[1], loop[2]);
   Vec3d middle;
-  for (const Vertex v : loop)
-    middle = middle + (1.0 / static_cast<double>(loop.size())) * mesh.vertices[v];
+  for (const Vertex v : loop) middle = middle + (1.0 / static_cast<double>(loop.size())) * mesh.vertices[v];
   const auto centre = static_cast<Vertex>(mesh.vertices.size());
   mesh.vertices.push_back(middle);
   for (std::size_t i = 0; i < loop.size(); ++i) add(loop[i], loop[(i + 1) % loop.size()], centre);

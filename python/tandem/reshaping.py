@@ -4,7 +4,7 @@ from typing import Any, List
 
 from tandem import geometry
 from tandem.entries import SceneError, plain
-from tandem.values import axis
+from tandem.values import axis, has_formula
 
 def finite(value: Any, what: str, example: str) -> float:
     """The number that an argument is; `what` names it, as in "angle of bucket.rotate()"."""
@@ -48,7 +48,7 @@ def transform(shapes: list, body: str, matrix, point, what: str) -> None:
     import numpy as np
     for part in shapes:
         shape, name = part["shape"], f"{part['shape']['type']} '{part.get('name', '')}' of body '{body}'"
-        if _has_formula(part.get("position")) or _has_formula(part.get("orientation")) or _has_formula(shape):
+        if has_formula([part.get("position"), part.get("orientation"), shape]):
             raise SceneError(f"{name} has a formula, and {what}() needs numbers", hint="change the parameter instead, or the formula")
         frame = geometry.rotation(part.get("orientation"))
         here = np.array(part.get("position", [0, 0, 0]), float)
@@ -62,14 +62,6 @@ def transform(shapes: list, body: str, matrix, point, what: str) -> None:
         else:
             part["orientation"] = {"x_axis": plain((matrix @ frame)[:, 0]), "z_axis": plain((matrix @ frame)[:, 2])}
         part["position"] = plain(point + matrix @ (here - point))
-
-
-def _has_formula(value: Any) -> bool:
-    if isinstance(value, dict):
-        return any(_has_formula(part) for part in value.values())
-    if isinstance(value, (list, tuple)):
-        return any(map(_has_formula, value))
-    return isinstance(value, str) and value.startswith("=")
 
 
 def _scale(shape: dict, name: str, matrix) -> None:

@@ -53,6 +53,8 @@ class Scene(Machine, Grains, Execution):
 
     def __init__(self, name: str, end_time: Any, *, window: Optional[Any] = None, gravity: Optional[Sequence[Any]] = None,
                  scheme: Optional[str] = None, frame_interval: Optional[Any] = None, description: Optional[str] = None):
+        if not isinstance(name, str):
+            raise SceneError(f"the name of the scene is {name!r}", hint='give a word, as td.Scene("hopper", end_time=1)')
         coupling = {key: plain(value) for key, value in (("scheme", scheme), ("window", window)) if value is not None}
         data = {"tandem": "1.1", "name": name, "description": description, "end_time": plain(end_time), "gravity": plain(gravity),
                 "coupling": coupling or None}

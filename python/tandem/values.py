@@ -113,6 +113,20 @@ class Expression:
 Number = Union[float, str, Expression]
 
 
+def has_formula(value: Any) -> bool:
+    """Whether a value, or a part of it, is a formula of parameters."""
+    if isinstance(value, dict):
+        return any(has_formula(part) for part in value.values())
+    if isinstance(value, (list, tuple)):
+        return any(map(has_formula, value))
+    return isinstance(value, Expression) or (isinstance(value, str) and value.startswith("="))
+
+
+def formula(value: Any) -> Any:
+    """A formula that is a text as an Expression, with which Python can compute; all else as it is."""
+    return Expression(value) if isinstance(value, str) and value.startswith("=") else value
+
+
 def axis(value: Any) -> Any:
     """'x', '-y', ... or a direction of any length, as a unit vector."""
     if isinstance(value, str) and not value.startswith("="):

@@ -133,6 +133,14 @@ TEST(MaterialLibrary, AMisspeltNameGetsTheNearestOne) {
       refusal(scene_of("unobtainium", "unobtainium", "")),
       HasSubstr(
           "'unobtainium' is no material of the scene or of the library (known materials of the library: "));
+  EXPECT_THAT(refusal(scene_of("steel", "steel", R"("materials": ["steel"],)")),
+              HasSubstr("dem.materials[0]: the value is \"steel\", and each material is an object (write "
+                        "{\"name\": \"steel\"}, "
+                        "which the library completes)"));
+  EXPECT_THAT(refusal(scene_of("stel", "steel", R"("materials": ["stel"],)")),
+              HasSubstr("or did you mean 'steel'?"));
+  EXPECT_THAT(refusal(scene_of("steel", "steel", R"("materials": {"steel": {}},)")),
+              HasSubstr("dem.materials: the value is an object (give a list"));
   // Grains are of no liquid, and liquids of no solid.
   const std::string watr = refusal(scene_of("watr", "steel", ""));
   EXPECT_THAT(watr, HasSubstr("'watr' is no material of the scene or of the library (known materials"));
