@@ -5,7 +5,7 @@ from typing import Any, List, Optional
 from tandem import geometry, reshaping
 from tandem.entries import Entry, NoSuchName, SceneError, calling_line, nearest, plain, text_of
 from tandem.schema import keys_of
-from tandem.values import axis, function_of_time
+from tandem.values import Expression, axis, formula, function_of_time
 
 
 class Part:
@@ -50,6 +50,8 @@ class Part:
         self.entry[key] = copy.deepcopy(plain(value))
 
     def __delitem__(self, key: str) -> None:
+        if key not in self.entry:
+            raise NoSuchName(f"'{key}' of '{self.name}' is not given" + nearest(key, self.entry))
         del self.entry[key]
 
     def __contains__(self, key: str) -> bool:
@@ -196,6 +198,8 @@ class Drive(Part):
     control input, which a controller then gives in each window."""
 
     def _control(self, control: str, value: Any) -> None:
+        if value is None:
+            raise SceneError(f"{control} of '{self.name}' is None", hint="give a number, a function of time or the name of a control input")
         if isinstance(value, str) and not value.startswith("="):
             self.entry["input"] = value
             self.entry.pop("target", None)
@@ -214,12 +218,16 @@ class Drive(Part):
             else:
                 raise SceneError(f"'{self.name}' has neither gains nor a largest force or torque, from which they would follow",
                                  hint="give max_force= or max_torque=, or gains={\"proportional\": ..., \"derivative\": ...}")
+        limit = formula(limit)
+        if not isinstance(limit, Expression) and (not isinstance(limit, (int, float)) or not limit > 0):
+            raise SceneError(f"the gains of '{self.name}' do not follow: its largest force or torque is {limit!r}",
+                             hint="give a number above 0, or gains={\"proportional\": ..., \"derivative\": ...}")
         if control == "stroke":  # all of the force at an error of 2 mm; the rate counts as the error 20 ms later
-            self.entry["gains"] = {"proportional": limit / 2e-3, "derivative": limit / 2e-3 * 0.02}
+            self.entry["gains"] = plain({"proportional": limit / 2e-3, "derivative": limit / 2e-3 * 0.02})
         elif control == "position":  # all of the torque at 0.02 rad
-            self.entry["gains"] = {"proportional": limit / 0.02, "derivative": limit / 0.02 * 0.02}
+            self.entry["gains"] = plain({"proportional": limit / 0.02, "derivative": limit / 0.02 * 0.02})
         else:  # all of the torque at 0.1 rad/s
-            self.entry["gains"] = {"proportional": limit / 0.1}
+            self.entry["gains"] = plain({"proportional": limit / 0.1})
 
 
 def _control_property(name: str, text: str) -> property:

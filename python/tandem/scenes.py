@@ -210,6 +210,8 @@ class Scene(Machine, Grains, Execution):
     def parameter(self, name: str, value: Any, *, unit: Optional[str] = None, min: Optional[float] = None, max: Optional[float] = None) -> Expression:
         """A named number that can be changed for a run: s.run(mouth=0.08), td.sweep(s, mouth=[...]). Use what it returns in formulas,
         mouth/2, or write them as texts: "=mouth/2 - 0.01*cos(pitch)". An angle has the unit "deg" or "rad"."""
+        if not isinstance(name, str):
+            raise SceneError(f"the name of a parameter is {name!r}", hint='give a word and a value, as s.parameter("mouth", 0.06)')
         keys = {"value": plain(value), "unit": unit, "min": min, "max": max}
         given = {key: v for key, v in keys.items() if v is not None}
         self.section("parameters")[name] = Entry(given, made_at=calling_line())
@@ -250,7 +252,7 @@ class Scene(Machine, Grains, Execution):
         keys = sorted(self.data, key=lambda key: order.index(key) if key in order else len(order))
         data = Entry({key: self.data[key] for key in keys}, made_at=self.data.made_at)
         dem = data.get("dem")
-        if dem and "domain" not in dem and ("particles" in dem or "walls" in dem):
+        if isinstance(dem, dict) and "domain" not in dem and ("particles" in dem or "walls" in dem):
             data["dem"] = Entry(dem, domain=self._automatic_domain())
         return data
 
@@ -274,7 +276,11 @@ class Scene(Machine, Grains, Execution):
     def save(self, file: str) -> None:
         """Writes the scene as a file for the command `tandem`."""
         path = pathlib.Path(file)
-        path.write_text(self.json(str(path.resolve().parent)) + "\n")
+        text = self.json(str(path.resolve().parent)) + "\n"
+        try:
+            path.write_text(text)
+        except OSError as error:
+            raise SceneError(f"cannot be written: {error.strerror}", str(file), "give the name of a file in a folder that exists") from None
 
     def _repr_html_(self) -> str:
         import html
@@ -300,6 +306,8 @@ def files_of(value: Any):
 def load(file: str, **parameters: float) -> Scene:
     """Reads a scene file: td.load("hopper.json", mouth=0.06) with other values of its parameters. s["gate"] is an object of it, which can be
     changed, and s.run() runs it."""
+    if not isinstance(file, (str, os.PathLike)):
+        raise SceneError(f"file is {file!r}", hint='give the name of a scene file, as td.load("hopper.json")')
     path = pathlib.Path(file)
     try:
         data = json.loads(path.read_text(), object_pairs_hook=Entry)

@@ -176,6 +176,18 @@ class Errors(unittest.TestCase):
                               ("the mass is -1 .give kg above 0", lambda: s.body("b", mass=-1, box=(1, 1, 1))),
                               ("density does not follow", lambda: s.body("b", mass=1, box=(1, 1))), ("no key 'cone'", lambda: s.body("b", cone=1))):
             self.check(pattern, call)
+        hinge = s.revolute("h", "ground", s.body("arm", mass=1, inertia=(1, 1, 1)), at=(0, 0, 0), axis="y")
+        motor = s.motor("m", hinge, max_torque=5)
+        for pattern, call in (("is no function of time .give a number, pairs", lambda: setattr(motor, "speed", [1, 2, 3])),
+                              ("speed of 'm' is None", lambda: setattr(motor, "speed", None)), ("times of a table is 'abc'", lambda: td.table("abc", [1])),
+                              ("gains of 'weak' do not follow: .* is -5", lambda: s.motor("weak", hinge, max_torque=-5)),
+                              ("td.deg.. takes a number", lambda: td.deg("30")), ("deviation of td.normal.. is 0", lambda: td.normal(.1, 0)),
+                              ("is that of ln.radius.", lambda: td.log_normal(1, 1000)), ("name of a parameter is 3", lambda: s.parameter(3, 1)),
+                              ("arguments= is '--strict' .give a list of texts: arguments=.'--strict'", lambda: s.start(arguments="--strict")),
+                              ("out= is 3", lambda: s.start(out=3)), ("controller= is 3", lambda: s.start(controller=3)),
+                              ("file is None", lambda: td.load(None)), ("x.json: cannot be written", lambda: digger().save("/nowhere/x.json"))):
+            self.check(pattern, call)
+        self.assertEqual(s.motor("by_formula", hinge, max_torque=20 * r).gains, {"proportional": "=(20 * r) / 0.1"})
         # Formulas: the energy at rest and the spacing follow, a domain does not.
         s.fill(bed, g, radius=(.9 * r, 1.1 * r), height="=10*r", settle=True)
         self.assertRegex(s.data["dem"]["settle"]["kinetic_energy"], r"^=min\(.*0.9 \* r.*\^4, .*\)$")
