@@ -72,7 +72,8 @@ def main(words: Optional[List[str]] = None) -> int:
         done = sweep(scene, score=options.of or None, jobs=options.jobs, threads=options.threads, out=out,
                      limit=options.limit, backend=options.backend, retry=options.retry, share=options.share, **values)
     except SceneError as error:
-        print(f"error: {str(error).partition(chr(10))[0]}", file=sys.stderr)
+        said = re.sub("^score(?=[ :])", "--of", str(error).partition("\n")[0])
+        print(f"error: {said}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("error: the sweep was interrupted; the same command continues where it stopped", file=sys.stderr)
