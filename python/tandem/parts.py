@@ -5,7 +5,7 @@ from typing import Any, List, Optional
 from tandem import geometry, reshaping
 from tandem.entries import Entry, NoSuchName, SceneError, calling_line, nearest, plain, text_of
 from tandem.schema import keys_of
-from tandem.values import Expression, axis, formula, function_of_time
+from tandem.values import Expression, formula, function_of_time
 
 
 class Part:
