@@ -1,12 +1,13 @@
 #include "common/geometry/mass_properties.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
 #include <unordered_map>
+
+#include "common/geometry/nesting.hpp"
 
 namespace tandem {
 
@@ -55,17 +56,6 @@ double volume_about(const TriangleMesh& mesh, Vec3d reference) {
     six +=
         dot(mesh.vertices[i] - reference, cross(mesh.vertices[j] - reference, mesh.vertices[k] - reference));
   return six / 6;
-}
-
-std::string point_text(Vec3d p) {
-  std::string text = "[";
-  for (int k = 0; k < 3; ++k) {
-    std::array<char, 32> buffer{};
-    const auto end =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(), p[k], std::chars_format::general, 6).ptr;
-    text += (k > 0 ? ", " : "") + std::string(buffer.data(), end);
-  }
-  return text + "]";
 }
 
 // The parts of a mesh that share no vertex, each as a mesh.
@@ -127,44 +117,27 @@ std::string unpaired_edge(const TriangleMesh& mesh) {
   return {};
 }
 
-// A winding number off the surface: that of the first vertex of `part` which is not on `mesh`.
-double enclosed(const TriangleMesh& part, const TriangleMesh& mesh) {
-  constexpr std::size_t most_tries = 16;
-  for (std::size_t i = 0; i < std::min(most_tries, part.vertices.size()); ++i) {
-    const double winding = winding_number(mesh, part.vertices[i]);
-    if (std::abs(winding - std::round(winding)) < 1e-3) return std::round(winding);
-  }
-  return 0;  // all of them on the surface: the two touch
-}
-
-bool contains(const Bounds& outer, const Bounds& inner) {
-  for (int k = 0; k < 3; ++k)
-    if (inner.low[k] < outer.low[k] || inner.high[k] > outer.high[k]) return false;
-  return true;
-}
-
-// Names a part that would be counted twice, or with negative mass.
+// Names a part that would be counted twice, or with negative mass. Solids are inside an even number of
+// others and wind as the whole does; cavities are inside an odd number and wind the other way.
 std::string wrong_part(const TriangleMesh& mesh) {
-  const std::vector<TriangleMesh> parts = parts_of(mesh);
+  std::vector<ClosedPart> parts;
+  for (TriangleMesh& part : parts_of(mesh)) parts.push_back(closed_part(std::move(part)));
   if (parts.size() < 2) return {};
-  std::vector<Bounds> bounds;
-  std::vector<double> volumes;
-  for (const TriangleMesh& part : parts) {
-    bounds.push_back(bounds_of_vertices(part));
-    volumes.push_back(volume_about(part, bounds.back().middle()));
-  }
-  const double total = std::accumulate(volumes.begin(), volumes.end(), 0.0), sign = total < 0 ? -1 : 1;
+  const Nesting nesting = nesting_of(parts);
+  if (!nesting.unclear.empty())
+    return why_unclear(parts[nesting.unclear.front().first], parts[nesting.unclear.front().second]);
+  double total = 0;
+  for (const ClosedPart& part : parts) total += part.volume;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    double winding = 0;
-    for (std::size_t k = 0; k < parts.size(); ++k)
-      if (k != i && contains(bounds[k], bounds[i])) winding += sign * enclosed(parts[i], parts[k]);
-    const double own = sign * volumes[i] < 0 ? -1 : 1;
-    if (winding + (own > 0 ? 1 : 0) > 1.5)
-      return "the closed part at " + point_text(parts[i].vertices.front()) +
-             " is inside another one of the same winding: its volume would count twice";
-    if (own < 0 && winding < 0.5)
-      return "the closed part at " + point_text(parts[i].vertices.front()) +
-             " winds against the others and is inside none of them: its volume would be negative";
+    const std::size_t depth = nesting.around[i].size();
+    const bool winds_as_solid = total < 0 ? parts[i].volume < 0 : parts[i].volume >= 0;
+    if (winds_as_solid == (depth % 2 == 0)) continue;
+    if (winds_as_solid)
+      return part_text(parts[i]) + " is inside another one of the same winding: its volume would count twice";
+    return part_text(parts[i]) +
+           (depth == 0 ? " winds against the others and is inside none of them"
+                       : " winds as the cavity that it is inside of") +
+           ": its volume would be negative";
   }
   return {};
 }

@@ -33,8 +33,15 @@ std::string list(const std::string& x, const std::string& y, const std::string& 
 
 }  // namespace
 
-std::string text(double value) {
+std::string exact_text(double value) {
   return number(value);
+}
+std::string text(double value) {
+  const std::string digits = number(value, std::chars_format::general, 15);
+  double read = value;
+  std::from_chars(digits.data(), digits.data() + digits.size(), read);
+  const std::string exact = number(value), rounded = number(read);
+  return rounded.size() + 5 <= exact.size() ? rounded : exact;
 }
 std::string text(Vec3d value) {
   return list(text(value.x), text(value.y), text(value.z));

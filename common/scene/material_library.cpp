@@ -28,9 +28,17 @@ const std::vector<LibraryPair>& library_pairs() {
   return pairs;
 }
 
-std::vector<std::string> library_material_names() {
+std::vector<std::string> library_solids() {
   std::vector<std::string> names;
-  for (const LibraryMaterial& material : library_materials()) names.emplace_back(material.name);
+  for (const LibraryMaterial& material : library_materials())
+    if (!material.viscosity) names.emplace_back(material.name);
+  return names;
+}
+
+std::vector<std::string> library_liquids() {
+  std::vector<std::string> names;
+  for (const LibraryMaterial& material : library_materials())
+    if (material.viscosity) names.emplace_back(material.name);
   return names;
 }
 

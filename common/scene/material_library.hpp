@@ -28,7 +28,9 @@ struct LibraryPair {
 
 const std::vector<LibraryMaterial>& library_materials();
 const std::vector<LibraryPair>& library_pairs();
-std::vector<std::string> library_material_names();
+// Their names: of what grains, walls and bodies can be of, and of what liquids can be of.
+std::vector<std::string> library_solids();
+std::vector<std::string> library_liquids();
 // Null where there is none.
 const LibraryMaterial* find_library_material(std::string_view name);
 const LibraryPair* find_library_pair(std::string_view a, std::string_view b);

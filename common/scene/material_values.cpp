@@ -86,6 +86,7 @@ class Filler {
       const std::string name = word(user, "material");
       const LibraryMaterial* material = find_library_material(name);
       if (!material || std::ranges::find(listed, name) != listed.end()) return;
+      if (dem.contains("materials") && !dem["materials"].is_array()) return;  // the schema says so later
       json object{{"name", name}};
       complete(object, *material, path + ".material");
       dem["materials"].push_back(std::move(object));
@@ -113,7 +114,7 @@ class Filler {
   // What the scene says of the pair, or of both materials, stays.
   void fill_pair(json& dem, const std::string& a, const std::string& b) {
     const LibraryPair* known = find_library_pair(a, b);
-    if (!known) return;
+    if (!known || (dem.contains("pairs") && !dem["pairs"].is_array())) return;
     const auto gives = [&](const std::string& name, const char* key) {
       return std::ranges::any_of(elements(dem, "materials"), [&](const json* object) {
         return word(*object, "name") == name && object->contains(key);
@@ -176,6 +177,7 @@ class NameCheck {
     if (!dem_.contains("materials") || !dem_["materials"].is_array()) return;
     for (std::size_t i = 0; i < dem_["materials"].size(); ++i) {
       const nlohmann::json& material = dem_["materials"][i];
+      if (material.is_string()) expect_object(material, i);
       const std::string name = word(material, "name");
       listed_.push_back(name);
       if (find_library_material(name)) continue;
@@ -205,6 +207,22 @@ class NameCheck {
   }
 
  private:
+  // "materials": ["steel"]
+  void expect_object(const nlohmann::json& material, std::size_t i) const {
+    const std::string name = material;
+    const bool is_known = std::ranges::find(library_, name) != library_.end();
+    fail(origin_, fmt::format("dem.materials[{}]", i),
+         fmt::format("the value is \"{}\", and each material is an object", shortened(name)),
+         is_known
+             ? fmt::format("write {{\"name\": \"{}\"}}, which the library completes", name)
+             : fmt::format("write {{\"name\": \"{}\", \"density\": ..., \"young\": ..., \"poisson\": ...}}{}",
+                           shortened(name),
+                           nearest_name(name, library_)
+                               ? ", or did you mean '" + *nearest_name(name, library_) + "'?"
+                               : std::string()));
+  }
+
+ private:
   static std::string word(const nlohmann::json& object, const char* key) {
     return object.is_object() && object.contains(key) && object[key].is_string()
                ? object[key].get<std::string>()
@@ -214,14 +232,39 @@ class NameCheck {
   const nlohmann::json& dem_;
   const std::string& origin_;
   std::vector<std::string> listed_;
-  const std::vector<std::string> library_ = library_material_names();
+  const std::vector<std::string> library_ = library_solids();
 };
+
+// A liquid that leaves its density or viscosity to the library.
+void expect_known_liquids(const nlohmann::json& sph, const std::string& origin) {
+  if (!sph.is_object() || !sph.contains("liquids") || !sph["liquids"].is_array()) return;
+  for (std::size_t i = 0; i < sph["liquids"].size(); ++i) {
+    const nlohmann::json& liquid = sph["liquids"][i];
+    if (!liquid.is_object() || !liquid.contains("name") || !liquid["name"].is_string()) continue;
+    const char* missing = !liquid.contains("density")     ? "density"
+                          : !liquid.contains("viscosity") ? "viscosity"
+                                                          : nullptr;
+    const std::string name = liquid["name"];
+    const LibraryMaterial* material = find_library_material(name);
+    if (!missing || (material && material->viscosity)) continue;
+    const std::vector<std::string> liquids = library_liquids();
+    const std::string* meant = nearest_name(name, liquids);
+    if (!material && !meant) continue;
+    fail(origin, fmt::format("sph.liquids[{}]", i),
+         fmt::format("the key '{}' is missing, and '{}' is {}", missing, shortened(name),
+                     material ? "a solid of the library" : "no liquid of the library"),
+         material ? fmt::format("give density and viscosity, or take a liquid such as '{}'", liquids.front())
+                  : fmt::format("did you mean '{}'? if not, add {}", *meant, missing));
+  }
+}
 
 }  // namespace
 }  // namespace material_values
 
 void expect_known_materials(const nlohmann::json& document, const std::string& origin) {
-  if (!document.is_object() || !document.contains("dem") || !document["dem"].is_object()) return;
+  if (!document.is_object()) return;
+  if (document.contains("sph")) material_values::expect_known_liquids(document["sph"], origin);
+  if (!document.contains("dem") || !document["dem"].is_object()) return;
   const nlohmann::json& dem = document["dem"];
   material_values::NameCheck names(dem, origin);
   names.of_list();

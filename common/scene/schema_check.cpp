@@ -73,11 +73,23 @@ class Walk {
     if (rule.contains("anyOf")) return check_any(rule["anyOf"], value, path, here);
     if (rule.contains("const")) return check_const(rule["const"], value, path, here);
     if (rule.contains("enum")) return check_enum(rule["enum"], value, path, here);
-    if (!has_type(value, rule["type"])) return wrong(value, path, with_article_of(rule), here);
+    if (!has_type(value, rule["type"])) {
+      const bool is_name = value.is_string() && rule["type"] == "object" && rule.contains("properties") &&
+                           rule["properties"].contains("name");
+      return wrong(value, path,
+                   with_article_of(rule) + (is_name ? ", as {\"name\": " + written(value) + ", ...}" : ""),
+                   here);
+    }
     if (value.is_object()) return check_object(rule, value, path);
     if (value.is_array()) return check_array(rule, value, path, here);
     if (value.is_string()) return check_string(rule, value, path, here);
-    if (value.is_number()) return check_number(rule, value, path, here);
+    if (value.is_number()) {
+      Found fault = check_number(rule, value, path, here);
+      // A number that is wrong by its last digits only is shown with them.
+      if (fault && !check_number(rule, json::parse(written(value)), path, here))
+        fault->problem = "the value is " + exact_text(value.get<double>());
+      return fault;
+    }
     return {};
   }
 

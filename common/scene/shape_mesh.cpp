@@ -1,5 +1,7 @@
 #include "common/scene/shape_mesh.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -38,9 +40,19 @@ double scale_of(const Geometry& geometry) {
   return 1;
 }
 
-Vec3d units_of(const Geometry& geometry) {
+Vec3d stretch_of(const Geometry& geometry) {
   const auto* mesh = std::get_if<MeshShape>(&geometry);
-  return scale_of(geometry) * (mesh ? mesh->stretch : Vec3d{1, 1, 1});
+  return mesh ? mesh->stretch : Vec3d{1, 1, 1};
+}
+
+Vec3d units_of(const Geometry& geometry) {
+  return scale_of(geometry) * stretch_of(geometry);
+}
+
+std::string scale_text(double scale, Vec3d stretch) {
+  if (stretch.x == 1 && stretch.y == 1 && stretch.z == 1) return fmt::format("{:.3g}", scale);
+  return fmt::format("{:.3g} and a stretch of [{:.3g}, {:.3g}, {:.3g}]", scale, stretch.x, stretch.y,
+                     stretch.z);
 }
 
 std::string contact_mesh_name(const Scene& scene, const Shape& shape) {

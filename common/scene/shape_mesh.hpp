@@ -13,6 +13,9 @@ const std::string& file_of(const Geometry& geometry);
 double scale_of(const Geometry& geometry);
 // Length of a unit of the file along each of its axes [m].
 Vec3d units_of(const Geometry& geometry);
+Vec3d stretch_of(const Geometry& geometry);
+// "0.001", or "0.001 and a stretch of [2, 1, 1]".
+std::string scale_text(double scale, Vec3d stretch);
 
 // Name under which the solvers receive the triangles of a shape of contact with a file: "BODY/SHAPE". Names
 // of walls have no slash.

@@ -27,7 +27,8 @@ void validate_table(const TableMotion& table, FunctionOf what, const std::string
     const double last = table.times[k - 1], shortest = shortest_change(last, gives_position(table.of, what));
     if (!(table.times[k] > last))
       fail(origin, element(path + ".times", k),
-           text(table.times[k]) + " s does not come after " + text(last) + " s", "times must increase");
+           exact_text(table.times[k]) + " s does not come after " + exact_text(last) + " s",
+           "times must increase");
     if (table.times[k] - last < shortest)
       fail(origin, element(path + ".times", k),
            fmt::format("{} s is {:.2g} s after {} s, and a change takes {:.2g} s or more there",

@@ -185,7 +185,7 @@ void validate_arguments(const ForceTable& table, const std::string& origin, cons
   for (std::size_t k = 1; k < table.arguments.size(); ++k)
     if (!(table.arguments[k] > table.arguments[k - 1]))
       fail(origin, element(path + ".arguments", k),
-           text(table.arguments[k]) + " does not come after " + text(table.arguments[k - 1]),
+           exact_text(table.arguments[k]) + " does not come after " + exact_text(table.arguments[k - 1]),
            "arguments must increase");
 }
 
@@ -317,9 +317,10 @@ void validate_curve_arguments(const std::vector<double>& arguments, const std::o
   const std::string suffix = degrees ? "_deg" : "", symbol = degrees ? " deg" : "";
   for (std::size_t k = 1; k < arguments.size(); ++k)
     if (!(arguments[k] > arguments[k - 1]))
-      fail(origin, element(path + ".arguments" + suffix, k),
-           text(arguments[k]) + symbol + " does not come after " + text(arguments[k - 1]) + symbol,
-           "arguments must increase");
+      fail(
+          origin, element(path + ".arguments" + suffix, k),
+          exact_text(arguments[k]) + symbol + " does not come after " + exact_text(arguments[k - 1]) + symbol,
+          "arguments must increase");
   if (!period) return;
   const double range = arguments.back() - arguments.front();
   constexpr double rounding = 1e-6;

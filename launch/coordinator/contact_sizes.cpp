@@ -84,9 +84,11 @@ void review_contact_sizes(const SceneFile& file, double machine, std::vector<std
     const double factor = !one.of_ground ? wide_part : name.empty() ? wide_ground : wide_file;
     const double most = std::min(wide_anything, others > 0 ? factor * others : wide_anything);
     if (one.width <= most) continue;
-    const std::string from = name.empty() ? ""
-                                          : fmt::format(", by {} with a scale of {:.3g}", name,
-                                                        scene::scale_of(one.shape->geometry));
+    const std::string from = name.empty()
+                                 ? ""
+                                 : fmt::format(", by {} with a scale of {}", name,
+                                               scene::scale_text(scene::scale_of(one.shape->geometry),
+                                                                 scene::stretch_of(one.shape->geometry)));
     const std::string beside =
         others > 0 ? fmt::format(", and the rest of the machine {:.3g} m", others) : std::string();
     warnings.push_back(fmt::format(

@@ -290,7 +290,9 @@ std::string describe_meshes(const std::vector<ImportedMesh>& meshes) {
                          "non-manifold edges", "inverted edges", "area [m2]", "volume [m3]"});
   for (const ImportedMesh& mesh : meshes) {
     const MeshFacts& f = mesh.facts;
-    table.add({mesh.wall, mesh.file, fmt::format("{:.6g}", mesh.scale), text(f.size()),
+    const Vec3d& s = mesh.stretch;
+    const std::string stretch = s.x == 1 && s.y == 1 && s.z == 1 ? "" : " x " + text(s);
+    table.add({mesh.wall, mesh.file, fmt::format("{:.6g}{}", mesh.scale, stretch), text(f.size()),
                std::to_string(f.triangles), std::to_string(f.open_edges), std::to_string(f.openings.size()),
                std::to_string(f.non_manifold_edges), std::to_string(f.inverted_edges),
                fmt::format("{:.6g}", f.area), f.volume ? fmt::format("{:.6g}", *f.volume) : "-"});

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <set>
 
+#include "common/scene/shape_mesh.hpp"
 #include "launch/coordinator/contact_sizes.hpp"
 
 namespace tandem::launch {
@@ -75,8 +76,8 @@ void review_unit(const ImportedMesh& mesh, bool is_fixed, bool is_there, double 
                  std::vector<std::string>& warnings) {
   const double width = largest(mesh.facts.size());
   const std::string what =
-      fmt::format("wall \"{}\" is {:.3g} m wide, by {} with a scale of {:.3g}, in a domain of {:.3g} m",
-                  mesh.wall, width, mesh.file, mesh.scale, domain);
+      fmt::format("wall \"{}\" is {:.3g} m wide, by {} with a scale of {}, in a domain of {:.3g} m",
+                  mesh.wall, width, mesh.file, scene::scale_text(mesh.scale, mesh.stretch), domain);
   const std::string nowhere = is_there ? "" : ", and no part of it is in the domain at the start";
   if (width > suspiciously_wide * domain || (!is_there && width > wider_than_likely * domain)) {
     const bool in_cm = width <= 50 * domain && width >= suspiciously_wide * domain;
@@ -231,15 +232,19 @@ void review_fineness(const ImportedMesh& mesh, double radius, std::vector<std::s
   const double within = std::numbers::pi * radius * radius / of_triangle;
   if (within < many_within_radius) return;
   // Equilateral triangles with sides of one radius.
+  // The command works on the file before it is stretched.
+  const auto& [x, y, z] = mesh.stretch;
+  const double most = std::max({x, y, z}), least = std::min({x, y, z});
   const double enough = std::max(12.0, facts.area / (std::sqrt(3.0) / 4 * radius * radius));
   warnings.push_back(fmt::format(
       "wall \"{}\" has {} triangles, with sides of some {:.2g} m, for spheres of radius {:.3g} m: one at the "
       "wall is compared with some {:.2g} of them, {:.2g} us of a core in every micro step; sides of about "
       "the "
-      "radius are enough, {:.2g} triangles: tandem mesh coarsen {} -o coarse.stl --deviation {:.2g}{}",
+      "radius are enough, {:.2g} triangles: tandem mesh coarsen {} -o coarse.stl --deviation {:.2g}{}{}",
       mesh.wall, facts.triangles, std::sqrt(4 / std::sqrt(3.0) * of_triangle), radius,
       compared_per_within * within, 1e6 * seconds_per_comparison * compared_per_within * within, enough,
-      mesh.file, radius / 100, mesh.scale == 1 ? "" : fmt::format(" --scale {:.6g}", mesh.scale)));
+      mesh.file, radius / 100 / most, mesh.scale == 1 ? "" : fmt::format(" --scale {:.6g}", mesh.scale),
+      most == 1 && least == 1 ? "" : ", and keep the stretch"));
 }
 
 // ---- contact of bodies
@@ -340,6 +345,7 @@ nlohmann::ordered_json to_json(const std::vector<ImportedMesh>& meshes) {
     list.push_back({{"wall", mesh.wall},
                     {"file", mesh.file},
                     {"scale", mesh.scale},
+                    {"stretch", {mesh.stretch.x, mesh.stretch.y, mesh.stretch.z}},
                     {"size_m", {f.size().x, f.size().y, f.size().z}},
                     {"triangles", f.triangles},
                     {"open_edges", f.open_edges},

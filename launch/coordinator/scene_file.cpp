@@ -82,7 +82,8 @@ std::vector<TriangleMesh> import_meshes(const std::filesystem::path& folder, Sce
     meshes[i] = mesh_in_file(file.inputs.back(), shape.geometry);
     if (shape.use != scene::ShapeUse::wall || scene::is_made_of_facets(shape.geometry)) continue;
     if (is_there(shape.name, file)) continue;  // it is of grains and of the liquid
-    file.mesh_facts.push_back({shape.name, name, scale, facts_of(meshes[i])});
+    file.mesh_facts.push_back(
+        {shape.name, name, scale, facts_of(meshes[i]), scene::stretch_of(shape.geometry)});
     if (shape.is_of_body)
       file.meshes.push_back({shape.name, meshes[i]});
     else

@@ -19,6 +19,7 @@ struct ImportedMesh {
   std::string file;  // as written in the scene
   double scale = 1;  // applied [m per unit of the file]
   MeshFacts facts;   // in the frame of the wall's shape
+  Vec3d stretch{1, 1, 1};
 };
 
 // A group whose spheres were placed before the start.

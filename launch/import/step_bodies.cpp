@@ -61,12 +61,17 @@ StepDensity density_of(const StepPart& part, const ImportOptions& options) {
   if (name.empty()) return {};
   if (const auto found = options.scene_densities.find(name); found != options.scene_densities.end())
     return {found->second, name};
-  if (const scene::LibraryMaterial* material = scene::find_library_material(name))
-    return {material->density, name};
+  const scene::LibraryMaterial* material = scene::find_library_material(name);
+  if (material && !material->viscosity) return {material->density, name};
   if (wanted.empty()) return {};  // the file's own word, which may be in any language
+  if (material)
+    throw Error(
+        ErrorCode::usage, "'" + name + "' is a liquid, which no body can be of", "--material",
+        "give a solid of docs/materials.md, such as --material steel, or the density of the part, as in "
+        "--density 'tank*=1000'");
   throw Error(ErrorCode::usage, "there is no material '" + printable(shortened(name)) + "' in the library",
               "--material",
-              suggest_name(name, scene::library_material_names(), "materials") +
+              suggest_name(name, scene::library_solids(), "materials") +
                   "; docs/materials.md lists them, and --density takes a number");
 }
 

@@ -1,12 +1,16 @@
 // Closed parts of a mesh: which way they wind, and which lie inside which.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "common/geometry/triangle_mesh.hpp"
 
 namespace tandem::launch {
 
 struct TurnedParts {
   std::size_t outwards = 0, inwards = 0;  // inwards: cavities
+  std::vector<std::string> unclear;       // sentences: parts of which nobody can tell, which stay as they are
 };
 
 // `part` numbers the part of each triangle, of which all wind alike. A closed part that is inside no other

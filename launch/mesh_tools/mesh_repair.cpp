@@ -10,17 +10,11 @@
 #include "common/geometry/triangle_tree.hpp"
 #include "launch/mesh_import/mesh_facts.hpp"
 #include "launch/mesh_tools/closed_parts.hpp"
+#include "launch/mesh_tools/fill_openings.hpp"
+#include "launch/mesh_tools/mesh_edges.hpp"
 
 namespace tandem::launch {
 namespace mesh_repair {
-
-using Vertex = std::uint32_t;
-using Corners = std::array<Vertex, 3>;
-using Edge = std::pair<Vertex, Vertex>;  // the lower vertex first
-
-Edge edge_of(Vertex a, Vertex b) {
-  return std::minmax(a, b);
-}
 
 class Repair {
  public:
@@ -38,7 +32,7 @@ class Repair {
     wind();
     fill_openings();
     point_outwards();
-    return {std::move(mesh_), std::move(done_), 0};
+    return {std::move(mesh_), std::move(done_), std::move(unclear_), 0};
   }
 
  private:
@@ -88,7 +82,7 @@ class Repair {
     say(mesh_.triangles.size() - with_area.size(), "triangles without area left out");
     mesh_.triangles = std::move(with_area);
 
-    const auto at = triangles_at_edges();
+    const auto at = triangles_at_edges(mesh_);
     std::map<Corners, std::size_t> known;
     std::vector<bool> stays(mesh_.triangles.size(), true);
     std::size_t doubles = 0, walls = 0;
@@ -122,14 +116,6 @@ class Repair {
     return b[(i + 2) % 3] == a[1];
   }
 
-  std::map<Edge, std::vector<std::size_t>> triangles_at_edges() const {
-    std::map<Edge, std::vector<std::size_t>> at;
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
-      for (std::size_t i = 0; i < 3; ++i)
-        at[edge_of(mesh_.triangles[t][i], mesh_.triangles[t][(i + 1) % 3])].push_back(t);
-    return at;
-  }
-
   // Open edges with corners of other open edges on them: their triangle is divided there.
   void divide_edges() {
     std::size_t divided = 0;
@@ -137,7 +123,7 @@ class Repair {
       changed = false;
       std::vector<std::pair<Edge, std::size_t>> open;
       std::set<Vertex> ends;
-      for (const auto& [edge, triangles] : triangles_at_edges())
+      for (const auto& [edge, triangles] : triangles_at_edges(mesh_))
         if (triangles.size() == 1) {
           open.emplace_back(edge, triangles.front());
           ends.insert({edge.first, edge.second});
@@ -169,7 +155,7 @@ class Repair {
 
   // Each connected part winds as its first triangle does; parts join over edges of two triangles.
   void wind() {
-    const auto at = triangles_at_edges();
+    const auto at = triangles_at_edges(mesh_);
     part_.assign(mesh_.triangles.size(), SIZE_MAX);
     std::size_t turned = 0;
     parts_ = 0;
@@ -203,92 +189,26 @@ class Repair {
     say(turned, "triangles turned, to wind as their neighbours");
   }
 
-  // Loops of open edges, against their triangles' direction.
   void fill_openings() {
-    std::map<Vertex, std::vector<std::pair<Vertex, std::size_t>>> next;  // and the part of the triangle
-    for (const auto& [edge, triangles] : triangles_at_edges()) {
-      if (triangles.size() != 1) continue;
-      const Corners& t = mesh_.triangles[triangles.front()];
-      for (std::size_t i = 0; i < 3; ++i)
-        if (edge_of(t[i], t[(i + 1) % 3]) == edge)
-          next[t[(i + 1) % 3]].emplace_back(t[i], part_[triangles.front()]);
-    }
-    std::size_t filled = 0, left = 0;
-    double widest = 0;
-    while (!next.empty()) {
-      std::vector<Vertex> path{next.begin()->first};
-      std::size_t part = 0;
-      std::optional<std::vector<Vertex>> loop;
-      while (!loop) {
-        const auto at = next.find(path.back());
-        if (at == next.end()) break;  // the open edges do not close: three triangles meet there
-        const auto [to, of] = at->second.back();
-        part = of;
-        at->second.pop_back();
-        if (at->second.empty()) next.erase(at);
-        if (const auto begin = std::ranges::find(path, to); begin != path.end())
-          loop = std::vector<Vertex>(begin, path.end());
-        else
-          path.push_back(to);
-      }
-      if (!loop || loop->size() < 3) {
-        ++left;
-        continue;
-      }
-      // What of the path is before the loop is put back.
-      for (std::size_t i = 0; i + loop->size() < path.size(); ++i)
-        next[path[i]].emplace_back(path[i + 1], part);
-      const double width = width_of(*loop);
-      if (width > widest_) {
-        ++left;
-        continue;
-      }
-      fill(*loop, part);
-      widest = std::max(widest, width);
-      ++filled;
-    }
-    if (filled > 0) done_.push_back(fmt::format("{} openings filled, the widest {:.3g} m", filled, widest));
-    if (left > 0) done_.push_back(fmt::format("{} openings left as they are", left));
-  }
-
-  // 4 area / length, as MeshFacts says.
-  double width_of(const std::vector<Vertex>& loop) const {
-    Vec3d area;
-    double length = 0;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const Vec3d a = mesh_.vertices[loop[i]], b = mesh_.vertices[loop[(i + 1) % loop.size()]];
-      area = area + 0.5 * cross(a - mesh_.vertices[loop[0]], b - mesh_.vertices[loop[0]]);
-      length += norm(b - a);
-    }
-    return 4 * norm(area) / length;
-  }
-
-  void fill(const std::vector<Vertex>& loop, std::size_t part) {
-    const auto add = [&](Vertex a, Vertex b, Vertex c) {
-      mesh_.triangles.push_back({a, b, c});
-      part_.push_back(part);
-    };
-    if (loop.size() == 3) return add(loop[0], loop[1], loop[2]);
-    Vec3d middle;
-    for (const Vertex v : loop)
-      middle = middle + (1.0 / static_cast<double>(loop.size())) * mesh_.vertices[v];
-    const auto centre = static_cast<Vertex>(mesh_.vertices.size());
-    mesh_.vertices.push_back(middle);
-    for (std::size_t i = 0; i < loop.size(); ++i) add(loop[i], loop[(i + 1) % loop.size()], centre);
+    const FilledOpenings result = mesh_repair::fill_openings(mesh_, part_, widest_);
+    if (result.filled > 0)
+      done_.push_back(fmt::format("{} openings filled, the widest {:.3g} m", result.filled, result.widest));
+    if (result.left > 0) done_.push_back(fmt::format("{} openings left as they are", result.left));
   }
 
   void point_outwards() {
-    const TurnedParts turned = turn_outwards(mesh_, part_);
+    TurnedParts turned = turn_outwards(mesh_, part_);
     say(turned.outwards,
         turned.outwards == 1 ? "closed part turned outwards" : "closed parts turned outwards");
     say(turned.inwards, turned.inwards == 1 ? "cavity turned inwards" : "cavities turned inwards");
+    unclear_ = std::move(turned.unclear);
   }
 
   TriangleMesh mesh_;
   double diagonal_ = 0, tolerance_ = 0, widest_ = 0;  // [m]
   std::vector<std::size_t> part_;                     // (triangles)
   std::size_t parts_ = 0;
-  std::vector<std::string> done_;
+  std::vector<std::string> done_, unclear_;
 };
 
 double distance_to(const TriangleMesh& from, const TriangleTree& to) {

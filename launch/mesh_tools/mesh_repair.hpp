@@ -17,7 +17,9 @@ struct RepairOptions {
 struct RepairedMesh {
   TriangleMesh mesh;
   std::vector<std::string> done;  // one line for each kind of repair
-  double deviation = 0;           // largest distance between the surfaces, from each to the other [m]
+  // Closed parts of which nobody can tell whether they are cavities, a sentence for each.
+  std::vector<std::string> unclear;
+  double deviation = 0;  // largest distance between the surfaces, from each to the other [m]
 };
 
 // In this order: corners that are nearly at one place become one; triangles without area and duplicates are

@@ -32,14 +32,15 @@ std::string positive_length(const std::string& text) {
              : "'" + shortened(text) + "' is no finite number > 0";
 }
 
-// A volume needs a closed surface.
+// A volume needs a closed surface. A share of one that is round-off says nothing.
 std::string change_of_volume(const MeshFacts& before, const MeshFacts& after) {
   if (!after.volume) return "no volume: the surface is not closed";
-  if (before.volume && *before.volume <= 0)
-    return fmt::format("{:.9g} m3, {:.9g} m3 before", *after.volume, *before.volume);
-  if (!before.volume) return fmt::format("{:.9g} m3, of an open surface before", *after.volume);
-  return fmt::format("{:.9g} m3, {:+.3g} of it", *after.volume,
-                     (*after.volume - *before.volume) / *before.volume);
+  if (!before.volume)
+    return fmt::format("{:.9g} m3, none before: the surface was not closed, or wound both ways",
+                       *after.volume);
+  const std::string both = fmt::format("{:.9g} m3, {:.9g} m3 before", *after.volume, *before.volume);
+  if (*before.volume < 1e-9 * before.area * before.diagonal()) return both;
+  return fmt::format("{} ({:+.3g} of it)", both, (*after.volume - *before.volume) / *before.volume);
 }
 
 void write(const MeshOptions& options, const TriangleMesh& before, const TriangleMesh& after,
@@ -69,7 +70,7 @@ void require_output(const MeshOptions& options) {
                 "give one that ends in .stl");
 }
 
-// 1 where faults are left, other than openings that --fill left.
+// 1 where faults are left, other than openings that --fill left, or parts that nobody can judge.
 int repair(const MeshOptions& options) {
   require_output(options);
   const TriangleMesh mesh = read_raw_mesh(options.file, options.scale);
@@ -79,9 +80,10 @@ int repair(const MeshOptions& options) {
   if (result.done.empty()) fmt::print("  nothing to repair\n");
   write(options, mesh, result.mesh, result.deviation);
   const MeshFaults left = faults_of(result.mesh);
-  if (left.is_sound()) return 0;
+  for (const std::string& unclear : result.unclear) fmt::print("  {}\n", unclear);
+  if (left.is_sound() && result.unclear.empty()) return 0;
   fmt::print("what is left:\n{}", report_of(left, options.output.string()));
-  return options.repair.fill && left.is_sound_but_open() ? 0 : 1;
+  return options.repair.fill && left.is_sound_but_open() && result.unclear.empty() ? 0 : 1;
 }
 
 void coarsen(const MeshOptions& options) {

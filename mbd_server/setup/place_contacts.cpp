@@ -69,7 +69,8 @@ struct ContactPlacer {
     const double width = (high - low).maxCoeff();
     // In millimetres, what is wider would still be more than a kilometre wide.
     const bool micro = width >= 1e6;
-    return fmt::format("{} is {:.4g} m wide with a scale of {:.3g}{}", name, width, scale,
+    return fmt::format("{} is {:.4g} m wide with a scale of {}{}", name, width,
+                       scene::scale_text(scale, scene::stretch_of(shape.geometry)),
                        scale != 1 ? ""
                        : micro    ? ": a file in micrometres needs \"scale\": 1e-06"
                                   : ": a file in millimetres needs \"scale\": 0.001");

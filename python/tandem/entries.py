@@ -41,6 +41,13 @@ class SceneError(Exception):
         super().__init__(text + (f"\n  made at {self.made_at}" if self.made_at else ""))
 
 
+class NoSuchName(KeyError):
+    """A KeyError that prints as the sentence that it is."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else ""
+
+
 class Entry(dict):
     """A JSON object of a scene."""
     made_at: Optional[str] = None

@@ -2,7 +2,7 @@
 import pathlib
 from typing import Any, Dict, Iterator
 
-from tandem.entries import nearest
+from tandem.entries import NoSuchName, nearest
 
 
 def _open(file):
@@ -27,7 +27,7 @@ class FrameData:
     def __getitem__(self, name: str):
         with _open(self.file) as held:
             if name not in held:
-                raise KeyError(f"{self.file.name} has no '{name}'" + nearest(name, held.keys()))
+                raise NoSuchName(f"{self.file.name} has no '{name}'" + nearest(name, held.keys()))
             return held[name][()]
 
     def __getattr__(self, name: str):

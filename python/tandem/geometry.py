@@ -92,7 +92,7 @@ def volume(shape: dict) -> Optional[float]:
             import numpy as np
             a, b, c = np.moveaxis(read_triangles(shape["file"]) * units_of(shape), 1, 0)
             return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6
-    except (KeyError, TypeError, ValueError):
+    except (IndexError, KeyError, TypeError, ValueError):
         return None
     return None
 
@@ -188,6 +188,23 @@ def bounds_in(shape: dict, position: Any, orientation: Any) -> Optional[Tuple[An
     return placed.min(axis=0), placed.max(axis=0)
 
 
+def _several(value, argument: str, wanted: str, made_at: Optional[str]):
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if not isinstance(value, (list, tuple)) or len(value) != wanted.count(",") + 1:
+        raise SceneError(f"{argument}= is {value!r}", hint=f"give {wanted}", made_at=made_at)
+    return value
+
+
+def _found_mesh(mesh, made_at: Optional[str]) -> str:
+    """The full name of a mesh file, whose name starts at the current folder."""
+    if not isinstance(mesh, (str, os.PathLike)):
+        raise SceneError(f"mesh= is {mesh!r}", hint="give the name of an STL or OBJ file", made_at=made_at)
+    file = os.path.abspath(os.fspath(mesh))
+    if not os.path.isfile(file):
+        raise SceneError(f"there is no mesh file '{mesh}'", hint=f"looked in {os.path.dirname(file)}", made_at=made_at)
+    return file
+
+
 def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=None, open=None, made_at=None, cone=None) -> Optional[dict]:
     """The one shape that the arguments describe, or None."""
     given = [name for name, value in dict(mesh=mesh, box=box, sphere=sphere, cylinder=cylinder, cone=cone, shape=shape).items()
@@ -195,22 +212,23 @@ def shape_of(mesh=None, scale=None, box=None, sphere=None, cylinder=None, shape=
     if len(given) > 1:
         raise SceneError(" and ".join(f"{name}=" for name in given) + " are given", hint="give one shape", made_at=made_at)
     if mesh is not None:
-        file = os.path.abspath(os.fspath(mesh))
-        if not os.path.isfile(file):
-            raise SceneError(f"there is no mesh file '{mesh}'", hint=f"looked in {os.path.dirname(file)}", made_at=made_at)
-        result = {"type": "mesh", "file": file, "scale": plain(scale)}
+        result = {"type": "mesh", "file": _found_mesh(mesh, made_at), "scale": plain(scale)}
     elif box is not None:
         result = {"type": "box", "size": plain(box)}
     elif sphere is not None:
         result = {"type": "sphere", "radius": plain(sphere)}
     elif cylinder is not None:
-        radius, height = cylinder
+        radius, height = _several(cylinder, "cylinder", "(radius, height)", made_at)
         result = {"type": "cylinder", "radius": plain(radius), "height": plain(height)}
     elif cone is not None:
-        low, high, height = cone
+        low, high, height = _several(cone, "cone", "(lower radius, upper radius, height)", made_at)
         result = {"type": "cone", "radius": plain(low), "top_radius": plain(high), "height": plain(height), "segments": 64}
     elif shape is not None:
+        if not isinstance(shape, dict):
+            raise SceneError(f"shape= is {shape!r}", hint='give a dict, as {"type": "sphere", "radius": 0.1}', made_at=made_at)
         result = dict(plain(shape))
+        if isinstance(result.get("file"), str) and not result["file"].startswith("="):
+            result["file"] = _found_mesh(result["file"], made_at)
     else:
         return None
     if open is not None:

@@ -5,18 +5,22 @@ from typing import Any, Optional, Sequence, Union
 from tandem import geometry
 from tandem.entries import SceneError, calling_line, plain
 from tandem.parts import Part, Wall
+from tandem.values import Expression, formula, has_formula
 from tandem.values import axis as direction
 
 
 class Grains:
     """Methods of Scene for materials, walls and spheres."""
 
-    def material(self, name: str, *, density: Any, young: Any, poisson: Any = 0.25, friction: Any = None, restitution: Any = None,
+    def material(self, name: str, *, density: Any = None, young: Any = None, poisson: Any = None, friction: Any = None, restitution: Any = None,
                  rolling_friction: Any = None, **keys: Any) -> Part:
         """A material of spheres and walls: density [kg/m3], Young's modulus [Pa], and per pair of materials the geometric mean of
-        friction and restitution; pair() overrides that. `poisson` is 0.25 by default."""
+        friction and restitution; pair() overrides that. `poisson` is 0.25 by default. s.material("glass") takes from the library of
+        docs/materials.md what is not given."""
         if rolling_friction is not None:
             self.section("dem").setdefault("rolling", "elastic_plastic")
+        if poisson is None and young is not None:
+            poisson = 0.25
         return self.add("dem.materials", name=name, density=density, young=young, poisson=poisson, friction=friction,
                         restitution=restitution, rolling_friction=rolling_friction, **keys)
 
@@ -75,15 +79,21 @@ class Grains:
         if height is not None:
             if level is not None:
                 raise SceneError("height and level are given", where, "give one of them", made_at)
+            height = formula(height)
+            if not isinstance(height, (int, float, Expression)) or (not isinstance(height, Expression) and not height > 0):
+                raise SceneError(f"the height is {height!r}", where, "give m above the lowest point of the region, above 0", made_at)
             level = self._lowest(region, where, made_at) + height
+        if not isinstance(settle, (bool, dict)):
+            raise SceneError(f"settle is {settle!r}", where, 'give True, False or {"kinetic_energy": 1e-6} [J]', made_at)
         sizes = plain(radius)
+        rest = plain(settle) if isinstance(settle, dict) else {"kinetic_energy": self._rest_energy(sizes, material)} if settle else None
         pack = {"type": "packing", "region": region, "level": level, "mass": plain(mass), "count": plain(count),
                 "void_fraction": void_fraction, "seed": seed}
         part = self.add("dem.particles", name=group, material=material, fixed=fixed, velocity=velocity,
                         fill={key: value for key, value in pack.items() if value is not None},
                         **({"sizes": sizes} if isinstance(sizes, dict) else {"radius": sizes}))
-        if settle:
-            self.section("dem")["settle"] = plain(settle) if isinstance(settle, dict) else {"kinetic_energy": self._rest_energy(sizes, material)}
+        if rest is not None:
+            self.section("dem")["settle"] = rest
         return part
 
     def lattice(self, material: Any, low: Sequence[Any], high: Sequence[Any], *, radius: Any, spacing: Any = None, jitter: float = 0.5,
@@ -91,8 +101,9 @@ class Grains:
         """Spheres on a regular lattice in the box from `low` to `high`, displaced a little at random; `spacing` is 2.2 of the largest
         radius by default."""
         radius = plain(radius)
-        largest = max(radius) if isinstance(radius, list) else radius
-        fill = {"type": "lattice", "min": plain(low), "max": plain(high), "spacing": 2.2 * largest if spacing is None else plain(spacing),
+        if spacing is None:
+            spacing = 2.2 * formula(radius[-1] if isinstance(radius, list) else radius)  # of the larger one
+        fill = {"type": "lattice", "min": plain(low), "max": plain(high), "spacing": plain(spacing),
                 "jitter": jitter, "count": plain(count), "seed": seed}
         return self.add("dem.particles", name=name or self._free_group(f"{plain(material)}_spheres"), material=material, radius=radius, velocity=velocity,
                         fill={key: value for key, value in fill.items() if value is not None})
@@ -169,18 +180,25 @@ class Grains:
             return float(up @ position) - shape["height"] / 2 * axis - shape["radius"] * math.sqrt(max(0.0, 1 - axis * axis))
         return float(((position + points @ frame.T) @ up).min())
 
-    def _rest_energy(self, sizes: Any, material: Any) -> float:
+    def _rest_energy(self, sizes: Any, material: Any) -> Any:
         """A thousandth of the energy of a mean sphere that falls by its radius, at most a twentieth of that of the smallest."""
-        density = next((m["density"] for m in self.entries("dem.materials") if m.get("name") == plain(material)), None)
+        density = next((m.get("density") for m in self.entries("dem.materials") if m.get("name") == plain(material)), None)
+        gravity = self.data.get("gravity", [0, 0, -9.81])
+        if not (isinstance(density, (int, float)) or has_formula(density)) or has_formula([sizes if isinstance(sizes, dict) else 0, gravity]):
+            raise SceneError(f"the energy at rest of '{plain(material)}' does not follow: density, distribution of sizes or gravity is no number",
+                             hint='give settle={"kinetic_energy": 1e-6} [J]')
         if isinstance(sizes, dict):
             listed = sizes.get("radius") or [size / 2 for size in sizes.get("size", [])[1:]] or [0]
             small = sizes.get("min", min(listed))
             mean = sizes.get("mean", sizes.get("median", small))
         elif isinstance(sizes, list):
-            small, mean = min(sizes), sum(sizes) / 2
+            small, mean = sizes[0], (formula(sizes[0]) + formula(sizes[-1])) / 2
         else:
             small = mean = sizes
-        g = math.sqrt(sum(x * x for x in self.data.get("gravity", [0, 0, -9.81])))
+        g = math.sqrt(sum(x * x for x in gravity))
+        if has_formula([density, small]) or isinstance(mean, Expression):
+            of = [f"{share * 4 / 3 * math.pi * g:.6g}*({_term(density)})*({_term(r)})^4" for share, r in ((1e-3, mean), (.05, small))]
+            return f"=min({', '.join(of)})"
         energy = [density * 4 / 3 * math.pi * r ** 3 * g * r for r in (mean, small)]
         return float(f"{min(1e-3 * energy[0], 0.05 * energy[1]):.3g}")
 
@@ -192,6 +210,8 @@ class Grains:
         parts = [(wall, bodies.get(wall.get("body"), {})) for wall in self.entries("dem.walls")]
         parts += [(shape, body) for body in bodies.values() for shape in body.get("shapes", [])]
         for part, body in parts:
+            if part.get("shape", {}).get("type") != "plane" and has_formula([part.get("shape"), part.get("position"), part.get("orientation"), body.get("position"), body.get("orientation")]):
+                self._no_domain(f"'{part.get('name', '')}' has a formula")
             try:
                 shape, position, frame = self._in_world(part, body)
                 points = geometry.corners(shape) if shape else None
@@ -203,9 +223,20 @@ class Grains:
         for group in self.entries("dem.particles"):
             fill = group.get("fill", {})
             region = fill.get("region", fill)
+            if has_formula([region.get("min"), region.get("max")]):
+                self._no_domain(f"the region of '{group.get('name', '')}' has a formula")
             boxes += [np.array(region[key], float) for key in ("min", "max") if len(region.get(key, [])) == 3]
         if not boxes:
-            raise SceneError("the domain does not follow from the scene", "dem.domain", "give it: s.domain(low, high)")
+            self._no_domain("there is no wall, shape or region of a known size")
         low, high = np.min(boxes, axis=0), np.max(boxes, axis=0)
         margin = 0.5 * float((high - low).max())
         return {"min": plain((low - margin).round(6)), "max": plain((high + margin).round(6))}
+
+    @staticmethod
+    def _no_domain(why: str) -> None:
+        raise SceneError(f"the domain does not follow from the scene: {why}", "dem.domain", "give it: s.domain(low, high), also in formulas")
+
+
+def _term(value: Any) -> str:
+    """Part of a formula."""
+    return formula(value).text if isinstance(formula(value), Expression) else repr(value)

@@ -4,6 +4,7 @@ from typing import Any, Optional, Sequence
 from tandem import geometry
 from tandem.entries import Entry, SceneError, calling_line, plain
 from tandem.parts import Body, Drive, Joint, Part
+from tandem.schema import expect_keys
 from tandem.values import axis as direction
 from tandem.values import function_of_time
 
@@ -30,6 +31,9 @@ class Machine:
         made_at = calling_line()
         found = geometry.shape_of(mesh, scale, box, sphere, cylinder, shape, made_at=made_at)
         where = f"body '{name}'"
+        expect_keys("body", keys, where, made_at)
+        if isinstance(mass, (int, float)) and not mass > 0:
+            raise SceneError(f"the mass is {mass!r}", where, "give kg above 0", made_at)
         if found is None and (mass is None or inertia is None):
             raise SceneError("has neither mass and inertia nor a shape", where, "give mass= and inertia=, or a shape such as mesh= or box= "
                              "with density=", made_at)

@@ -2,10 +2,10 @@
 import copy
 from typing import Any, List, Optional
 
-from tandem import geometry
-from tandem.entries import Entry, SceneError, calling_line, nearest, plain, text_of
+from tandem import geometry, reshaping
+from tandem.entries import Entry, NoSuchName, SceneError, calling_line, nearest, plain, text_of
 from tandem.schema import keys_of
-from tandem.values import axis, function_of_time
+from tandem.values import Expression, formula, function_of_time
 
 
 class Part:
@@ -42,7 +42,7 @@ class Part:
     def __getitem__(self, key: str) -> Any:
         if key not in self.entry:
             self._expect(key)
-            raise KeyError(f"'{key}' of '{self.name}' is not given")
+            raise NoSuchName(f"'{key}' of '{self.name}' is not given")
         return self.entry[key]
 
     def __setitem__(self, key: str, value: Any) -> None:
@@ -50,6 +50,8 @@ class Part:
         self.entry[key] = copy.deepcopy(plain(value))
 
     def __delitem__(self, key: str) -> None:
+        if key not in self.entry:
+            raise NoSuchName(f"'{key}' of '{self.name}' is not given" + nearest(key, self.entry))
         del self.entry[key]
 
     def __contains__(self, key: str) -> bool:
@@ -134,54 +136,46 @@ class Body(Part):
         taken = set(self.scene.shape_names())
         return next(n for n in [name] + [f"{name}_{k}" for k in range(2, 100000)] if n not in taken)
 
-    def _pivot(self):
+    def _pivot(self, what: str):
         """The point of the joint that carries the body, in its frame; without one, the middle of its shapes."""
         import numpy as np
         joint = next((j for j in self.scene.entries("mbd.joints") if j.get("child") == self.name and "position" in j), None)
-        if joint is not None and "relative_to" not in joint and "relative_to" not in self.entry:
-            offset = np.array(joint["position"], float) - np.array(self.entry.get("position", [0, 0, 0]), float)
-            return geometry.rotation(self.entry.get("orientation")).T @ offset
+        try:
+            if joint is not None and "relative_to" not in joint and "relative_to" not in self.entry:
+                offset = np.array(joint["position"], float) - np.array(self.entry.get("position", [0, 0, 0]), float)
+                return geometry.rotation(self.entry.get("orientation")).T @ offset
+        except (TypeError, ValueError):  # formulas
+            raise SceneError(f"the point that {self.name}.{what}() keeps does not follow: body or joint '{joint['name']}' has a formula for its place",
+                             hint="give about=, a point in the frame of the body that stays") from None
         boxes = [geometry.bounds_in(s["shape"], s.get("position"), s.get("orientation")) for s in self.entry.get("shapes", [])]
         boxes = [b for b in boxes if b is not None]
         return sum(low + high for low, high in boxes) / (2 * len(boxes)) if boxes else np.zeros(3)
 
     def scale(self, factor: float = 1, *, x: float = 1, y: float = 1, z: float = 1, about=None) -> "Body":
         """Scales the shapes of the body along the axes of its frame: bucket.scale(y=1.2). `about` is the point, in the frame of the
-        body, that stays; by default that of the joint that carries the body. The mass follows where it comes from shapes. Meshes and
-        boxes only, boxes where they are not rotated. Returns the body."""
+        body, that stays; by default that of the joint that carries the body. The mass follows where it comes from shapes. Boxes
+        that are rotated, spheres, cylinders, capsules and cones are scaled by one factor only. Returns the body."""
         import numpy as np
-        return self._transform(np.diag([factor * x, factor * y, factor * z]), about, "scale")
+        factors = [reshaping.factor(value, f"{key} of {self.name}.scale()") for key, value in (("factor", factor), ("x", x), ("y", y), ("z", z))]
+        return self._transform(np.diag([factors[0] * each for each in factors[1:]]), about, "scale")
 
     def rotate(self, about_axis: Any, angle: float, *, about=None) -> "Body":
         """Rotates the shapes of the body by an angle [rad] (td.deg(10) is ten degrees) about an axis of its frame through the point
         `about`, as in scale(). Joints and drives stay where they are. Returns the body."""
-        return self._transform(geometry.rotation({"axis": axis(about_axis), "angle": angle}), about, "rotate")
+        turn = {"axis": reshaping.turning_axis(about_axis, f"{self.name}.rotate()"),
+                "angle": reshaping.finite(angle, f"angle of {self.name}.rotate()", "a number, such as td.deg(10)")}
+        return self._transform(geometry.rotation(turn), about, "rotate")
 
     def _transform(self, matrix, about, what) -> "Body":
         import numpy as np
-        if not self.entry.get("shapes"):
+        shapes = self.entry.get("shapes")
+        if not shapes:
             raise SceneError(f"body '{self.name}' has no shapes to {what}")
-        point = self._pivot() if about is None else np.array(about, float)
-        for part in self.entry["shapes"]:
-            shape, frame = part["shape"], geometry.rotation(part.get("orientation"))
-            here = np.array(part.get("position", [0, 0, 0]), float)
-            if shape["type"] == "mesh":
-                unit = geometry.units_of(shape)
-                local = (frame.T @ matrix @ frame) * unit / unit[:, None]  # in units of the file
-                shape["file"] = geometry.transformed_mesh(shape["file"], local, (frame.T @ (point - here)) / unit)
-            else:
-                part["position"] = plain(point + matrix @ (here - point))
-                if what == "rotate":
-                    part["orientation"] = {"x_axis": plain((matrix @ frame)[:, 0]), "z_axis": plain((matrix @ frame)[:, 2])}
-                elif shape["type"] == "box" and np.allclose(np.abs(frame).round(9) % 1, 0):
-                    shape["size"] = plain(np.abs(frame.T @ matrix @ frame).diagonal() * np.array(shape["size"], float))
-                elif np.allclose(matrix, matrix[0, 0] * np.eye(3)):
-                    for key in ("radius", "top_radius", "height"):
-                        if key in shape:
-                            shape[key] *= float(matrix[0, 0])
-                else:
-                    raise SceneError(f"a {shape['type']} of body '{self.name}' cannot be scaled along one axis",
-                                     hint="scale it by one factor, or use a mesh")
+        point = self._pivot(what) if about is None else np.array(reshaping.vector(about, "about", f"{self.name}.{what}()"))
+        changed = copy.deepcopy(shapes)  # all shapes or none
+        reshaping.transform(changed, self.name, matrix, point, what)
+        for old, new in zip(shapes, changed):
+            old.update(new)
         return self
 
 
@@ -204,6 +198,8 @@ class Drive(Part):
     control input, which a controller then gives in each window."""
 
     def _control(self, control: str, value: Any) -> None:
+        if value is None:
+            raise SceneError(f"{control} of '{self.name}' is None", hint="give a number, a function of time or the name of a control input")
         if isinstance(value, str) and not value.startswith("="):
             self.entry["input"] = value
             self.entry.pop("target", None)
@@ -222,12 +218,16 @@ class Drive(Part):
             else:
                 raise SceneError(f"'{self.name}' has neither gains nor a largest force or torque, from which they would follow",
                                  hint="give max_force= or max_torque=, or gains={\"proportional\": ..., \"derivative\": ...}")
+        limit = formula(limit)
+        if not isinstance(limit, Expression) and (not isinstance(limit, (int, float)) or not limit > 0):
+            raise SceneError(f"the gains of '{self.name}' do not follow: its largest force or torque is {limit!r}",
+                             hint="give a number above 0, or gains={\"proportional\": ..., \"derivative\": ...}")
         if control == "stroke":  # all of the force at an error of 2 mm; the rate counts as the error 20 ms later
-            self.entry["gains"] = {"proportional": limit / 2e-3, "derivative": limit / 2e-3 * 0.02}
+            self.entry["gains"] = plain({"proportional": limit / 2e-3, "derivative": limit / 2e-3 * 0.02})
         elif control == "position":  # all of the torque at 0.02 rad
-            self.entry["gains"] = {"proportional": limit / 0.02, "derivative": limit / 0.02 * 0.02}
+            self.entry["gains"] = plain({"proportional": limit / 0.02, "derivative": limit / 0.02 * 0.02})
         else:  # all of the torque at 0.1 rad/s
-            self.entry["gains"] = {"proportional": limit / 0.1}
+            self.entry["gains"] = plain({"proportional": limit / 0.1})
 
 
 def _control_property(name: str, text: str) -> property:

@@ -6,10 +6,21 @@ from typing import Any, Dict, List, Optional, Sequence, Union
 
 import numpy as np
 
-from tandem.entries import nearest
+from tandem.entries import NoSuchName, nearest
 from tandem.frames import Frame, Frames, mass_in_hull
 from tandem.reductions import REDUCTIONS
 from tandem.signals import FILES, UNITS, Columns, Signal
+
+
+class Named(dict):
+    """A dict whose missing keys are said with what there is instead."""
+
+    def __init__(self, has_no: str, *arguments):
+        super().__init__(*arguments)
+        self.has_no = has_no
+
+    def __missing__(self, key: Any) -> Any:
+        raise NoSuchName(f"{self.has_no} '{key}'" + nearest(key, self))
 
 
 class Verdict(str):
@@ -114,7 +125,7 @@ class Results:
             raise FileNotFoundError(f"{self.folder} has no summary.json: it holds no run")
         when = file.stat().st_mtime_ns
         if self._summary is None or self._summary[0] != when:
-            self._summary = (when, json.loads(file.read_text()))
+            self._summary = (when, Named("summary.json has no", json.loads(file.read_text())))
         return self._summary[1]
 
     @property
@@ -154,6 +165,10 @@ class Results:
         return UNITS.get(channel, UNITS.get(channel.partition(".")[0], ""))
 
     def __getitem__(self, name: str) -> Any:
+        if not isinstance(name, str):
+            raise NoSuchName(f"{name!r} is no name of a column; write r[\"hinge.q\"], or r[\"hinge.q\"].values[3] for a value (r.names lists all)")
+        if name.partition(".")[0] == "summary" and "summary" not in {column.partition(".")[0] for column in self.names}:
+            raise self._no_column(name)
         signal = self._columns.signal(name, self._unit)
         if signal is not None:
             return signal
@@ -161,6 +176,17 @@ class Results:
         if channels:
             return Element(self, name, channels)
         raise self._columns.missing(name)
+
+    def _no_column(self, name: str) -> KeyError:
+        """Figures of summary.json are not over time."""
+        key = name.partition(".")[2]
+        first = key.partition(".")[0]
+        if key and first not in self.summary:
+            return NoSuchName(f"the results have no '{name}', and summary.json has no '{first}'" + nearest(first, self.summary))
+        value = self.summary.get(first)
+        ways = ["r.summary" + (f"[\"{first}\"]" if key else "")]
+        ways += [f"r.reduce(\"{name}\")"] if isinstance(value, (int, float)) and not isinstance(value, bool) and "." not in key else []
+        return NoSuchName(f"'{name}' is no column over time: write " + " or ".join(ways))
 
     @staticmethod
     def _channel(column: str) -> str:
@@ -179,7 +205,7 @@ class Results:
     def bodies(self) -> Dict[str, BodyResults]:
         """The bodies by name."""
         names = dict.fromkeys(column.partition(".")[0] for column in self._columns.header("bodies") if column.endswith(".position.x"))
-        return {name: BodyResults(self, name) for name in names}
+        return Named("the run has no body", {name: BodyResults(self, name) for name in names})
 
     @property
     def frames(self) -> Frames:
@@ -200,20 +226,26 @@ class Results:
             value: Any = self.summary
             for key in column.split(".")[1:]:
                 if not isinstance(value, dict) or key not in value:
-                    raise KeyError(f"summary.json has no '{column[8:]}'" + nearest(key, value if isinstance(value, dict) else []))
+                    raise NoSuchName(f"summary.json has no '{column[8:]}'" + nearest(key, value if isinstance(value, dict) else []))
                 value = value[key]
             if value is None:
                 raise ValueError(f"'{column[8:]}' of summary.json is null")
             if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise KeyError(f"'{column[8:]}' of summary.json is no number, but {json.dumps(value)[:60]}")
+                raise NoSuchName(f"'{column[8:]}' of summary.json is no number, but {json.dumps(value)[:60]}")
             return float(value)
         how = rest[0] if rest else "last"
         if how not in REDUCTIONS:
-            raise KeyError(f"there is no reduction '{how}' in '{of}'" + nearest(how, REDUCTIONS))
+            raise NoSuchName(f"there is no reduction '{how}' in '{of}'" + nearest(how, REDUCTIONS))
         signal = self[column]
         if isinstance(signal, Element):
-            raise KeyError(f"'{column}' in '{of}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in signal.channels))
-        return float(getattr(signal.norm, how)(*[float(word) for word in rest[1:3]]))
+            raise NoSuchName(f"'{column}' in '{of}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in signal.channels))
+        try:
+            times = [float(word) for word in rest[1:]]
+        except ValueError:
+            raise ValueError(f"'{of}' has a time that is no number; write COLUMN:REDUCTION:FROM:TO, as in \"mouth.flow:mean:0.4:0.7\"") from None
+        if len(times) > 2:
+            raise ValueError(f"'{of}' has more than two times; write COLUMN:REDUCTION:FROM:TO, as in \"mouth.flow:mean:0.4:0.7\"")
+        return float(getattr(signal.norm, how)(*times))
 
     def mass_in(self, name: str, time: Optional[float] = None) -> float:
         """Mass [kg] at the end of the run (or in the frame nearest to `time`): of a sensor with this name, or of the spheres whose centres are
@@ -223,7 +255,7 @@ class Results:
             return float(mass.last() if time is None else mass.at(time))
         frame = self.frames[-1] if time is None else self.frames.at(time)
         if name not in frame.bodies.keys():
-            raise KeyError(f"there is neither a sensor nor a body '{name}'" + nearest(name, frame.bodies.keys()))
+            raise NoSuchName(f"there is neither a sensor nor a body '{name}'" + nearest(name, frame.bodies.keys()))
         return mass_in_hull(frame, name, self._density(frame))
 
     def _density(self, frame: Frame) -> Any:
@@ -252,7 +284,7 @@ class Results:
             for each in names:
                 found = self[each]
                 if isinstance(found, Element):
-                    raise KeyError(f"'{each}' is no column; it has " + ", ".join(f"'{each}.{c}'" for c in found.channels))
+                    raise NoSuchName(f"'{each}' is no column; it has " + ", ".join(f"'{each}.{c}'" for c in found.channels))
                 signals.append(found.between(start, stop))
         return chart(signals, file, title=str(self.summary.get("scene", "")), status=str(self.verdict))
 
@@ -281,7 +313,7 @@ class Results:
     def dataframe(self, file: str):
         """A file as a pandas.DataFrame with the time as its index: "bodies", "joints", "elements", "sensors", "windows", "control", "border"."""
         if file not in FILES:
-            raise KeyError(f"there is no file '{file}'" + nearest(file, FILES))
+            raise NoSuchName(f"there is no file '{file}'" + nearest(file, FILES))
         try:
             import pandas
         except ImportError:

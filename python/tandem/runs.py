@@ -40,6 +40,12 @@ class Run:
     def __init__(self, scene, out: Optional[str] = None, *, progress: Any = False, controller: Any = None, threads: Optional[int] = None,
                  backend: Optional[str] = None, picture: bool = True, report: bool = True, restart: Optional[str] = None,
                  checkpoint_every: Optional[float] = None, strict: bool = False, arguments: Sequence[str] = (), **parameters: float):
+        if out is not None and not isinstance(out, (str, os.PathLike)):
+            raise SceneError(f"out= is {out!r}", hint='give the folder of the results, as out="out/hopper"')
+        if isinstance(arguments, str):
+            raise SceneError(f"arguments= is {arguments!r}", hint=f"give a list of texts: arguments={arguments.split()!r}")
+        if controller is not None and not callable(controller) and not isinstance(controller, (str, os.PathLike)):
+            raise SceneError(f"controller= is {controller!r}", hint="give a function (time, sensors) -> inputs, or the command of a program")
         self.scene, self.progress, self.stopped = scene, progress, False
         self.folder = pathlib.Path(out or pathlib.Path("out") / scene._file_name())
         plain = scene.copy().set(**parameters) if parameters else scene

@@ -5,7 +5,7 @@ import os
 import pathlib
 from typing import Any, Dict, Iterator, List, Optional, Sequence
 
-from tandem.entries import Entry, SceneError, calling_line, nearest, plain, text_of
+from tandem.entries import Entry, NoSuchName, SceneError, calling_line, nearest, plain, text_of
 from tandem.execution import Execution
 from tandem.grains import Grains
 from tandem.machine import Machine
@@ -53,6 +53,8 @@ class Scene(Machine, Grains, Execution):
 
     def __init__(self, name: str, end_time: Any, *, window: Optional[Any] = None, gravity: Optional[Sequence[Any]] = None,
                  scheme: Optional[str] = None, frame_interval: Optional[Any] = None, description: Optional[str] = None):
+        if not isinstance(name, str):
+            raise SceneError(f"the name of the scene is {name!r}", hint='give a word, as td.Scene("hopper", end_time=1)')
         coupling = {key: plain(value) for key, value in (("scheme", scheme), ("window", window)) if value is not None}
         data = {"tandem": "1.1", "name": name, "description": description, "end_time": plain(end_time), "gravity": plain(gravity),
                 "coupling": coupling or None}
@@ -144,7 +146,10 @@ class Scene(Machine, Grains, Execution):
         here: Any = self.data
         for key in path.split("."):
             here = here.get(key, {}) if isinstance(here, dict) else {}
-        return here if isinstance(here, list) else []
+        if not isinstance(here, list):
+            return []
+        # What is no object is wrong, which the program says.
+        return here if all(isinstance(entry, dict) for entry in here) else [entry for entry in here if isinstance(entry, dict)]
 
     def add(self, where: str, **keys: Any) -> Any:
         """Adds an object to a list of the scene by its keys of docs/scene_format.md, and returns it:
@@ -175,11 +180,11 @@ class Scene(Machine, Grains, Execution):
         where, name = name if isinstance(name, tuple) else (None, name)
         found = [(path, entry) for path in ORDER if where in (None, path) for entry in self.entries(path) if entry.get("name") == name]
         if len(found) > 1:
-            raise KeyError(f"'{name}' is in " + " and ".join(path for path, _ in found) + f"; write s[\"{found[0][0]}\", \"{name}\"]")
+            raise NoSuchName(f"'{name}' is in " + " and ".join(path for path, _ in found) + f"; write s[\"{found[0][0]}\", \"{name}\"]")
         if found:
             kind, view = LISTS[found[0][0]]
             return view(self, found[0][1], kind)
-        raise KeyError(f"the scene '{self.name}' has no '{name}'" + nearest(name, [part.name for part in self.parts()]))
+        raise NoSuchName(f"the scene '{self.name}' has no '{name}'" + nearest(name, [part.name for part in self.parts()]))
 
     def __contains__(self, name: str) -> bool:
         return any(part.name == name for part in self.parts())
@@ -205,6 +210,8 @@ class Scene(Machine, Grains, Execution):
     def parameter(self, name: str, value: Any, *, unit: Optional[str] = None, min: Optional[float] = None, max: Optional[float] = None) -> Expression:
         """A named number that can be changed for a run: s.run(mouth=0.08), td.sweep(s, mouth=[...]). Use what it returns in formulas,
         mouth/2, or write them as texts: "=mouth/2 - 0.01*cos(pitch)". An angle has the unit "deg" or "rad"."""
+        if not isinstance(name, str):
+            raise SceneError(f"the name of a parameter is {name!r}", hint='give a word and a value, as s.parameter("mouth", 0.06)')
         keys = {"value": plain(value), "unit": unit, "min": min, "max": max}
         given = {key: v for key, v in keys.items() if v is not None}
         self.section("parameters")[name] = Entry(given, made_at=calling_line())
@@ -245,19 +252,18 @@ class Scene(Machine, Grains, Execution):
         keys = sorted(self.data, key=lambda key: order.index(key) if key in order else len(order))
         data = Entry({key: self.data[key] for key in keys}, made_at=self.data.made_at)
         dem = data.get("dem")
-        if dem and "domain" not in dem and ("particles" in dem or "walls" in dem):
+        if isinstance(dem, dict) and "domain" not in dem and ("particles" in dem or "walls" in dem):
             data["dem"] = Entry(dem, domain=self._automatic_domain())
         return data
 
     def json(self, folder: Optional[str] = None) -> str:
-        """The scene as the text of a file; mesh files are relative to `folder` where they are inside of it."""
+        """The scene as the text of a file; names of mesh files are relative to `folder` where they are inside of it, full elsewhere."""
         data = copy.deepcopy(self.complete())
-        if folder is not None:
-            root = os.path.abspath(folder)
-            for entry, key in files_of(data):
-                path = os.path.relpath(entry[key], root)
-                if not path.startswith(".."):
-                    entry[key] = path
+        root = os.path.abspath(folder) if folder is not None else None
+        for entry, key in files_of(data):
+            entry[key] = os.path.abspath(entry[key])  # names of Python start at the current folder
+            if root is not None and not os.path.relpath(entry[key], root).startswith(".."):
+                entry[key] = os.path.relpath(entry[key], root)
         return text_of(data)
 
     def __str__(self) -> str:
@@ -270,7 +276,11 @@ class Scene(Machine, Grains, Execution):
     def save(self, file: str) -> None:
         """Writes the scene as a file for the command `tandem`."""
         path = pathlib.Path(file)
-        path.write_text(self.json(str(path.resolve().parent)) + "\n")
+        text = self.json(str(path.resolve().parent)) + "\n"
+        try:
+            path.write_text(text)
+        except OSError as error:
+            raise SceneError(f"cannot be written: {error.strerror}", str(file), "give the name of a file in a folder that exists") from None
 
     def _repr_html_(self) -> str:
         import html
@@ -296,6 +306,8 @@ def files_of(value: Any):
 def load(file: str, **parameters: float) -> Scene:
     """Reads a scene file: td.load("hopper.json", mouth=0.06) with other values of its parameters. s["gate"] is an object of it, which can be
     changed, and s.run() runs it."""
+    if not isinstance(file, (str, os.PathLike)):
+        raise SceneError(f"file is {file!r}", hint='give the name of a scene file, as td.load("hopper.json")')
     path = pathlib.Path(file)
     try:
         data = json.loads(path.read_text(), object_pairs_hook=Entry)

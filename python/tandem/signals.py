@@ -1,4 +1,5 @@
 """Columns of results as arrays over time, with units, read from CSV when they are asked for."""
+import difflib
 import itertools
 import math
 import pathlib
@@ -6,7 +7,7 @@ from typing import Any, Dict, List, Optional
 
 import numpy as np
 
-from tandem.entries import nearest
+from tandem.entries import NoSuchName, nearest
 
 # Files with a row per window, in the order in which a column is looked for.
 FILES = ("elements", "bodies", "joints", "sensors", "control", "windows", "border")
@@ -179,8 +180,15 @@ class Columns:
         return None
 
     def missing(self, name: str) -> KeyError:
+        """What there is instead: channels of the same owner, or else names of the same kind."""
         names = self.names()
         vectors = {column.rpartition(".")[0] for column in names if column.rpartition(".")[2] in ("w", "x", "y", "z")}
-        groups = {column.partition(".")[0] for column in names}
-        pool = groups if "." not in name else vectors | set(names)
-        return KeyError(f"the results have no '{name}'" + nearest(name, pool))
+        stems = vectors | {column for column in names if column.rpartition(".")[0] not in vectors}
+        owner, dot, channel = name.partition(".")
+        own = sorted(column for column in stems if column.startswith(owner + "."))
+        what = f"the results have no '{name}'"
+        if dot and own:
+            close = difflib.get_close_matches(channel, [column[len(owner) + 1:] for column in own], 1, 0.6)
+            return NoSuchName(what + (f"; did you mean '{owner}.{close[0]}'?" if close else "; '" + owner + "' has " + ", ".join(f"'{c}'" for c in own)))
+        return NoSuchName(what + nearest(name, vectors | set(names) if dot else {column.partition(".")[0] for column in names}) +
+                        " (r.names lists all)")

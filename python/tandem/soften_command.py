@@ -12,7 +12,7 @@ from tandem.sweep_command import finite
 def numbers(text: Optional[str], option: str) -> List[float]:
     """"1,2,4" as numbers."""
     try:
-        return [float(word) for word in text.split(",")] if text else []
+        return [finite(word, option) for word in text.split(",")] if text else []
     except ValueError:
         raise SceneError(f"'{text}' is no list of numbers", option, f"for instance {option} 0.1,0.2", made_at="the command line") from None
 

@@ -2,7 +2,7 @@
 import math
 from typing import Any, List, Sequence, Tuple
 
-from tandem.entries import SceneError
+from tandem.entries import NoSuchName, SceneError
 
 
 class Measure:
@@ -25,7 +25,7 @@ class Measure:
                 return
             found = results[column]
             if not hasattr(found, "values"):
-                raise KeyError(f"'{column}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in found.channels))
+                raise NoSuchName(f"'{column}' is no column; it has " + ", ".join(f"'{column}.{c}'" for c in found.channels))
         except KeyError as error:
             self._expect(False, str(error.args[0]), "")
         except ValueError:
@@ -88,6 +88,8 @@ def _box(signal: Any) -> Tuple[List[float], List[float]]:
 def error_of_text(text: str) -> float:
     """"1%" or "0.01"."""
     try:
+        if "_" in text:  # which Python would skip
+            raise ValueError
         value = float(text[:-1]) / 100 if text.endswith("%") else float(text)
     except ValueError:
         value = 0.0

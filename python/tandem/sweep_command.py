@@ -11,11 +11,13 @@ from tandem.scenes import load
 from tandem.sweeps import sweep
 
 
-def finite(word: str) -> float:
-    """A number that a parameter can have."""
+def finite(word: str, option: str = "--set") -> float:
+    """A number that a parameter can have, written as in a scene: Python would also read 1_0 as ten. A ValueError where it is no number."""
+    if "_" in word:
+        raise ValueError
     value = float(word)
     if not math.isfinite(value):
-        raise ValueError
+        raise SceneError(f"'{word.strip()}' is no finite number", option, "give a number such as 0.05 or 1e-3", made_at="the command line")
     return value
 
 
@@ -28,7 +30,7 @@ def values_of(text: str) -> "tuple[str, List[float]]":
         if ":" in given:
             first, last, count = given.split(":")
             n = int(count)
-            if n < 2:
+            if n < 2 or "_" in count:
                 raise ValueError
             a, b = finite(first), finite(last)
             return name, [float(f"{a + (b - a) * i / (n - 1):.12g}") for i in range(n)]
@@ -70,7 +72,8 @@ def main(words: Optional[List[str]] = None) -> int:
         done = sweep(scene, score=options.of or None, jobs=options.jobs, threads=options.threads, out=out,
                      limit=options.limit, backend=options.backend, retry=options.retry, share=options.share, **values)
     except SceneError as error:
-        print(f"error: {str(error).partition(chr(10))[0]}", file=sys.stderr)
+        said = re.sub("^score(?=[ :])", "--of", str(error).partition("\n")[0])
+        print(f"error: {said}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("error: the sweep was interrupted; the same command continues where it stopped", file=sys.stderr)

@@ -9,8 +9,13 @@ Score = Union[str, Sequence[str], Callable[[Any], Any], None]
 
 def expect_words(score: Score, end_time: Any) -> None:
     """Refuses wrong reductions before anything runs."""
+    if not (score is None or isinstance(score, str) or callable(score) or (isinstance(score, (list, tuple)) and all(isinstance(of, str) for of in score))):
+        raise SceneError(f"it is {score!r}", "score", 'give "COLUMN:REDUCTION", a list of these, or a function of the results')
     for of in _words(score):
-        expect_reduction(of, end_time if isinstance(end_time, (int, float)) else None)
+        try:
+            expect_reduction(of, end_time if isinstance(end_time, (int, float)) else None)
+        except SceneError as error:  # said of the command line
+            raise SceneError(error.what, f"score {of}", error.hint) from None
 
 
 def score_of(score: Score, same_columns: bool) -> Callable[[Any], Dict[str, float]]:
@@ -27,7 +32,7 @@ def score_of(score: Score, same_columns: bool) -> Callable[[Any], Dict[str, floa
         except KeyError as error:
             if not same_columns:
                 raise
-            raise SceneError(str(error.args[0]), "--of", "what has run is kept", made_at="the command line") from None
+            raise SceneError(str(error.args[0]), "score", "what has run is kept") from None
     return numbers
 
 

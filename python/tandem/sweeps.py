@@ -12,7 +12,7 @@ import threading
 import time
 from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Union
 
-from tandem.entries import SceneError, nearest, plain
+from tandem.entries import NoSuchName, SceneError, nearest, plain
 from tandem.program import find_tandem
 from tandem.scenes import Scene
 from tandem.sweep_scores import Score, expect_words, score_of
@@ -43,7 +43,7 @@ class Row:
         for values in (self.values, self.scores):
             if name in values:
                 return values[name]
-        raise KeyError(f"a variant has no '{name}'" + nearest(name, list(self.values) + list(self.scores)))
+        raise NoSuchName(f"a variant has no '{name}'" + nearest(name, list(self.values) + list(self.scores)))
 
     def __repr__(self) -> str:
         scores = "".join(f", {name} = {value:.6g}" for name, value in self.scores.items())
@@ -143,6 +143,10 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
 
     A variant that fails, is suspect or cannot be built is marked in the table, and does not stop the others."""
     expect_limit(limit)
+    if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
+        raise SceneError(f"jobs is {jobs!r}", hint="give the number of runs side by side, 1 or more")
+    if not isinstance(scene, Scene) and not callable(scene):
+        raise SceneError(f"{scene!r} is no scene", hint="give a Scene, or a function of the values that returns one")
     names = list(values)
     if not names:
         raise SceneError("a sweep needs values of at least one parameter", hint="for instance td.sweep(s, mouth=[0.05, 0.06])")
@@ -156,7 +160,14 @@ def sweep(scene: Union[Scene, Callable[..., Scene]], *, score: Score = None, job
         expect_words(score, scene.end_time)
     else:
         build, label = scene, getattr(scene, "__name__", "variants")
+        expect_words(score, None)
     lists = [[plain(v) for v in ([vs] if isinstance(vs, (int, float, str)) else vs)] for vs in values.values()]
+    for name, column in zip(names, lists):
+        if not column:
+            raise SceneError(f"{name} has no values", hint=f"give one or more: {name}=[0.05, 0.06]")
+        twice = [value for i, value in enumerate(column) if value in column[:i]]
+        if twice:
+            raise SceneError(f"{name} has the value {_text(twice[0])} twice", hint="keep one of them")
     folder = pathlib.Path(out or pathlib.Path("out") / f"sweep_{label}").absolute()
     _claim(folder, names)
     rows = [Row(dict(zip(names, point)), variant_key(names, point), folder / "variants" / variant_key(names, point))

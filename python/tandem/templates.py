@@ -14,14 +14,15 @@ from tandem.scenes import Scene, files_of
 __all__ = ["hopper", "round_hopper", "conveyor", "screw", "chute", "tank", "mixer", "bucket", "linkage"]
 
 
-# Units of sizes and amounts, which are not negative.
+# Units of sizes and amounts, which are above 0. A value may equal its `min`, which is therefore a number just above 0.
 _AMOUNTS = ("m", "kg", "kg/s", "kg/m3", "Pa")
 
 
 def _parameters(s: Scene, **keys) -> None:
-    """Value and unit of each, and what it may be at most."""
-    for name, (value, unit, *most) in keys.items():
-        s.parameter(name, value, unit=unit, min=0 if unit in _AMOUNTS else None, max=most[0] if most else None)
+    """Value and unit of each, and what it may be at least and at most."""
+    for name, (value, unit, *limits) in keys.items():
+        least, most = (*limits, None, None)[:2]
+        s.parameter(name, value, unit=unit, min=1e-6 if least is None and unit in _AMOUNTS else least, max=most)
 
 
 def _material(s: Scene, radius: float, density: float = 2500, friction: float = 0.4):
@@ -37,10 +38,10 @@ def _radii():
 def hopper() -> Scene:
     """A hopper with a slot, and a sensor of the flow through it.
 
-    mouth (of the slot), width (of the bin), rise (height of the two plates), depth, height (of the fill above the plates); radius, friction,
-    density, young of the grains. Result: mouth.flow, mouth.passed."""
+    mouth (of the slot, four grain diameters or more), width (of the bin), rise (height of the two plates), depth, height (of the fill above the
+    plates); radius, friction, density, young of the grains. Result: mouth.flow, mouth.passed."""
     s = Scene("hopper", end_time=1, window=2e-3, frame_interval=.05, description="Grains run through the slot of a hopper.")
-    _parameters(s, mouth=(.05, "m", "=0.95*width"), width=(.17, "m"), rise=(.1, "m"), depth=(.08, "m"), height=(.15, "m"))
+    _parameters(s, mouth=(.05, "m", "=8*radius", "=0.95*width"), width=(.17, "m"), rise=(.1, "m"), depth=(.08, "m", "=3*radius"), height=(.15, "m"))
     grain = _material(s, .006)
     for side, sign, heights in (("left", "-", ["=rise", 0]), ("right", "", [0, "=rise"])):
         s.wall(side, shape={"type": "height_field", "size": ["=(width - mouth)/2", "=depth"], "heights": [heights, heights]},
@@ -55,10 +56,10 @@ def hopper() -> Scene:
 def round_hopper() -> Scene:
     """A cone below a round bin, and a sensor of the flow through its mouth.
 
-    mouth, diameter (of the bin), rise (height of the cone), height (of the fill above the cone); radius, friction, density, young of the grains.
-    Result: mouth.flow, mouth.passed."""
+    mouth (four grain diameters or more), diameter (of the bin), rise (height of the cone), height (of the fill above the cone); radius, friction,
+    density, young of the grains. Result: mouth.flow, mouth.passed."""
     s = Scene("round_hopper", end_time=1, window=2e-3, frame_interval=.05, description="Grains run out of a cone.")
-    _parameters(s, mouth=(.06, "m", "=0.95*diameter"), diameter=(.16, "m"), rise=(.07, "m"), height=(.1, "m"))
+    _parameters(s, mouth=(.06, "m", "=8*radius", "=0.95*diameter"), diameter=(.16, "m"), rise=(.07, "m"), height=(.1, "m"))
     grain = _material(s, .006)
     s.wall("cone", cone=("=mouth/2", "=diameter/2", "=rise"), at=(0, 0, "=rise/2"), open=["+z", "-z"], material=grain)
     s.wall("bin", cylinder=("=diameter/2", "=1.2*height"), at=(0, 0, "=rise + 0.6*height"), open=["+z", "-z"], material=grain)
@@ -80,7 +81,9 @@ def conveyor() -> Scene:
 
     length, width (of the belt), speed, rate (mass per time), skirt (height); radius, friction, density, young. Results: end.flow, end.passed."""
     s = Scene("conveyor", end_time=2, window=1e-3, frame_interval=.05, description="A belt carries grains over its end.")
-    _parameters(s, length=(1, "m"), width=(.2, "m"), speed=(1, "m/s"), rate=(3, "kg/s"), skirt=(.08, "m"))
+    # Inlet and sensor lie one after the other along the belt, and the inlet between the skirts.
+    _parameters(s, length=(1, "m", "=0.03 + 27*radius"), width=(.2, "m", "=8*radius"), speed=(1, "m/s", 1e-3), rate=(3, "kg/s"),
+                skirt=(.08, "m", "=3*radius"))
     grain = _material(s, .01, friction=.5)
     s.box("belt", ("=length", "=width", .01), at=("=length/2", 0, -.005), material=grain, surface_velocity=("=speed", 0, 0))
     for side, sign in (("left", ""), ("right", "-")):
@@ -98,9 +101,12 @@ def screw() -> Scene:
     """A screw that a motor turns in a trough moves grains from an inlet to the open end.
 
     diameter, pitch (of the flight, which has three turns), shaft (its diameter, a fifth of that of the flight or more), gap (between flight and
-    trough), speed (of the shaft), rate (mass per time); radius, friction, density, young. Results: end.flow, motor.torque, motor.power."""
+    trough, a tenth of the diameter at most), speed (of the shaft), rate (mass per time); radius, friction, density, young. Results: end.flow,
+    motor.torque, motor.power."""
     s = Scene("screw", end_time=3.5, window=1e-3, frame_interval=.05, description="A screw moves grains along a trough.")
-    _parameters(s, diameter=(.2, "m"), pitch=(.16, "m"), shaft=(.05, "m", "=0.8*diameter"), gap=(.004, "m"), speed=(12, "rad/s"), rate=(1.5, "kg/s"))
+    # The flight reaches inwards to a fifth of its diameter: a thinner shaft would leave it loose.
+    _parameters(s, diameter=(.2, "m", "=10*radius"), pitch=(.16, "m", "=4*radius"), shaft=(.05, "m", "=0.2*diameter", "=0.8*diameter"),
+                gap=(.004, "m", 0, "=0.1*diameter"), speed=(12, "rad/s", 1e-3), rate=(1.5, "kg/s"))
     grain = _material(s, .008)
     turns = 3
     tube = "(diameter + 2*gap)"
@@ -162,7 +168,8 @@ def chute() -> Scene:
 
     slope, length, width, rate (mass per time); radius, friction, density, young. Results: end.flow, end.momentum over end.mass."""
     s = Scene("chute", end_time=1.5, window=1e-3, frame_interval=.05, description="Grains run down a chute.")
-    _parameters(s, slope=(30, "deg"), length=(1, "m"), width=(.12, "m"), rate=(2, "kg/s"))
+    # Inlet and sensor lie one after the other: the inlet by its place along x, the sensor along the floor.
+    _parameters(s, slope=(30, "deg", 0, 80), length=(1, "m", "=(0.05 + 25*radius)/(0.85*cos(slope))"), width=(.12, "m", "=8*radius"), rate=(2, "kg/s"))
     grain = _material(s, .006, friction=.3)
     tilt = {"axis": [0, 1, 0], "angle": "=slope"}
     s.box("floor", ("=length", "=width", .01), at=("=length/2*cos(slope) - 0.005*sin(slope)", 0, "=-length/2*sin(slope) - 0.005*cos(slope)"),
@@ -184,7 +191,8 @@ def mixer() -> Scene:
 
     diameter, fill (mass), speed (of the shaft), blade (height); radius, friction, density, young. Results: motor.torque, motor.power."""
     s = Scene("mixer", end_time=1, window=1e-3, frame_interval=.05, description="Two blades stir a bed of grains.")
-    _parameters(s, diameter=(.2, "m"), fill=(.8, "kg"), speed=(6, "rad/s"), blade=(.03, "m"))
+    # The upper blade ends below the rim of the vessel, which is as high as wide.
+    _parameters(s, diameter=(.2, "m"), fill=(.8, "kg"), speed=(6, "rad/s"), blade=(.03, "m", None, "=(diameter - 0.003 - 2.5*radius)/2.1"))
     grain = _material(s, .006)
     s.wall("vessel", cylinder=("=diameter/2", "=diameter"), at=(0, 0, "=diameter/2"), open="+z", material=grain)
     stirrer = s.body("stirrer", mass=1, inertia=(2e-3, 2e-3, 3e-3), at=(0, 0, "=0.003 + 2.5*radius + blade/2"))
@@ -203,7 +211,8 @@ def bucket() -> Scene:
 
     width, depth (of the lip under the surface), way, bed (height); radius, friction, density, young. Results: pull.force, bucket.contact_force."""
     s = Scene("bucket", end_time=1.5, window=1e-3, frame_interval=.05, description="A bucket is pulled through a bed.")
-    _parameters(s, width=(.2, "m"), depth=(.06, "m"), way=(.5, "m"), bed=(.12, "m"))
+    # The bucket stays above the floor and within the trough.
+    _parameters(s, width=(.2, "m"), depth=(.06, "m", 0, "=bed - 0.01 - radius"), way=(.5, "m", 0, .75), bed=(.12, "m", None, .4))
     grain = _material(s, .012, friction=.5)
     s.box("trough", (1.2, "=2*width", .5), at=(.3, 0, .25), open="+z", material=grain)
     tool = s.body("bucket", mass=20, inertia=(.3, .3, .3), at=(0, 0, "=bed + 0.13"))
@@ -224,7 +233,8 @@ def tank() -> Scene:
     length, width, height (of the tank), level (of the water), amplitude, frequency of the slide, spacing (of the particles).
     Results: sloshing.force, sloshing.axis_torque, gauge.level."""
     s = Scene("tank", end_time=1, window=2e-3, frame_interval=.05, description="Water in a tank that is shaken.")
-    _parameters(s, length=(.4, "m"), width=(.12, "m"), height=(.3, "m"), level=(.12, "m", "=height"), amplitude=(.02, "m"), frequency=(1, None), spacing=(.015, "m"))
+    _parameters(s, length=(.4, "m"), width=(.12, "m"), height=(.3, "m"), level=(.12, "m", None, "=height"),
+                amplitude=(.02, "m", 0, "=0.5*length"), frequency=(1, None), spacing=(.015, "m", None, "=min(level, width)/2"))
     s.add("mbd.bodies", name="tank", mass=5, inertia=(.1, .1, .1), position=(0, 0, "=height/2"),
           shapes=[{"name": "case", "use": "wall", "shape": {"type": "box", "size": ["=length", "=width", "=height"], "open": ["+z"]}}])
     s.prismatic("slide", "ground", "tank", axis="x", motion={"type": "harmonic", "amplitude": "=amplitude", "frequency": "=frequency"})
@@ -240,9 +250,14 @@ def tank() -> Scene:
 def linkage() -> Scene:
     """A four-bar linkage that a motor drives against a load on its rocker.
 
-    crank, coupler, rocker, base (lengths), speed (of the crank), load (force on the rocker's end). Results: motor.torque, rocker_pin.q."""
+    crank (which turns round), coupler, rocker, base (lengths), speed (of the crank), load (force on the rocker's end). Results: motor.torque,
+    rocker_pin.q."""
     s = Scene("linkage", end_time=2, window=1e-3, frame_interval=.04, description="A crank and rocker.")
-    _parameters(s, crank=(.2, "m"), coupler=(.6, "m"), rocker=(.5, "m"), base=(.7, "m"), speed=(6.283185, "rad/s"), load=(20, "N"))
+    # The bars close where the base is shorter than coupler and rocker together. The crank turns round where it and each other bar are together
+    # shorter than the other two (Grashof): at equality the bars fall into line.
+    longest = "=0.99*min(coupler + rocker - base, base + rocker - coupler, base + coupler - rocker)"
+    _parameters(s, base=(.7, "m", None, "=0.99*(coupler + rocker)"), coupler=(.6, "m"), rocker=(.5, "m"), crank=(.2, "m", None, longest),
+                speed=(6.283185, "rad/s"), load=(20, "N"))
     # The crank points along x at the start; law of cosines for the joint of coupler and rocker.
     gap = "(base - crank)"
     cosine = f"(coupler^2 + {gap}^2 - rocker^2)/(2*coupler*{gap})"

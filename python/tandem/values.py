@@ -7,6 +7,8 @@ from tandem.entries import Entry, SceneError, calling_line, plain
 
 def deg(angle: float) -> float:
     """An angle in degrees as radians: td.deg(90) is 1.5707963."""
+    if isinstance(angle, (str, Expression)):
+        raise SceneError(f"td.deg() takes a number, and gets {str(angle)!r}", hint='write an angle of a formula as "=30*deg", or give a parameter unit="deg"')
     return math.radians(angle)
 
 
@@ -18,6 +20,9 @@ def table(times: Sequence[float], values: Sequence[float], interpolation: Option
     of             "speed": the values are rates of a joint's coordinate
     smoothing      [s], which a "linear" or "step" motion of a joint needs
     """
+    for name, column in (("times", times), ("values", values)):
+        if isinstance(column, str) or not hasattr(column, "__len__"):
+            raise SceneError(f"{name} of a table is {column!r}", hint="give two lists of numbers, as td.table([0, 1], [0, 0.5])")
     if len(times) != len(values):
         raise SceneError(f"a table has {len(times)} times and {len(values)} values", hint="give one value for each time")
     return _function("table", times=times, values=values, interpolation=interpolation, of=of, smoothing=smoothing)
@@ -51,6 +56,8 @@ def function_of_time(value: Any) -> Any:
     if isinstance(value, (int, float, str)):
         return {"type": "constant", "value": value}
     if isinstance(value, list):
+        if not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
+            raise SceneError(f"{value!r} is no function of time", hint="give a number, pairs (time, value) as [(0, 0), (1, 0.5)], or td.table(times, values)")
         return table([pair[0] for pair in value], [pair[1] for pair in value])
     return value
 
@@ -59,14 +66,28 @@ def _round(value: float) -> float:
     return float(f"{value:.6g}")
 
 
+def _expect_sizes(of: str, **sizes: Any) -> None:
+    for name, value in sizes.items():
+        value = value.tolist() if hasattr(value, "tolist") else value
+        if not isinstance(value, (int, float)) or not value > 0:
+            said = str(value) if isinstance(value, Expression) else value
+            raise SceneError(f"{name} of {of} is {said!r}", hint="give a number above 0; with min= and max= it may be a formula")
+
+
 def normal(mean: float, deviation: float, min: Optional[float] = None, max: Optional[float] = None) -> Entry:
     """Radii [m] of a normal distribution by number, cut off at `min` and `max` (default: two deviations from the mean)."""
+    if min is None or max is None:
+        _expect_sizes("td.normal()", mean=mean, deviation=deviation)
     return _function("normal", mean=mean, deviation=deviation, min=_round(mean - 2 * deviation) if min is None else min,
                      max=_round(mean + 2 * deviation) if max is None else max)
 
 
 def log_normal(median: float, deviation: float, min: Optional[float] = None, max: Optional[float] = None) -> Entry:
     """Radii [m] of a log-normal distribution by number; `deviation` is that of ln(radius), cut off at two of them by default."""
+    if min is None or max is None:
+        _expect_sizes("td.log_normal()", median=median, deviation=deviation)
+    if isinstance(deviation, (int, float)) and deviation > 10:
+        raise SceneError(f"deviation of td.log_normal() is {deviation!r}", hint="it is that of ln(radius), without a unit: 0.2 is some 20 %")
     return _function("log_normal", median=median, deviation=deviation,
                      min=_round(median * math.exp(-2 * deviation)) if min is None else min,
                      max=_round(median * math.exp(2 * deviation)) if max is None else max)
@@ -111,6 +132,20 @@ class Expression:
 
 
 Number = Union[float, str, Expression]
+
+
+def has_formula(value: Any) -> bool:
+    """Whether a value, or a part of it, is a formula of parameters."""
+    if isinstance(value, dict):
+        return any(has_formula(part) for part in value.values())
+    if isinstance(value, (list, tuple)):
+        return any(map(has_formula, value))
+    return isinstance(value, Expression) or (isinstance(value, str) and value.startswith("="))
+
+
+def formula(value: Any) -> Any:
+    """A formula that is a text as an Expression, with which Python can compute; all else as it is."""
+    return Expression(value) if isinstance(value, str) and value.startswith("=") else value
 
 
 def axis(value: Any) -> Any:

@@ -297,6 +297,20 @@ class Templates(Case):
             for parameter, keys in made.data["parameters"].items():  # each one is used
                 self.assertRegex(str(made).replace(f'"{parameter}": {{', ""), rf'"=[^"]*\b{parameter}\b', f"{name}: {parameter}")
 
+    def test_what_cannot_work_is_refused_by_name(self):
+        cases = {"screw": dict(shaft=.03, gap=.03, diameter=0, pitch=0, rate=0, speed=-1), "hopper": dict(mouth=.03, rise=0, depth=.01),
+                 "round_hopper": dict(mouth=.03, rise=0), "conveyor": dict(length=.25, speed=0, width=.05, skirt=.01), "chute": dict(slope=81, length=.2),
+                 "mixer": dict(blade=.1), "bucket": dict(depth=.12, way=1), "tank": dict(amplitude=.3, spacing=.1), "linkage": dict(crank=.5)}
+        for template, wrong in cases.items():
+            for name, value in wrong.items():
+                s = getattr(td.templates, template)().set(**{name: value})
+                with self.assertRaisesRegex(td.SceneError, rf"parameters\.{name}: .* is (below|above) '(min|max)'", msg=f"{template}: {name}={value}"):
+                    s.check(files_only=True)
+        for wrong, wanted in (({"base": 1.2}, r"parameters.base: 1.2 is above 'max', .*\(coupler \+ rocker\).*1.089"),  # which does not close
+                              ({"rocker": .2}, "parameters.crank: 0.2 is above 'max', .*coupler.*rocker.*base")):  # whose crank does not turn round
+            with self.assertRaisesRegex(td.SceneError, wanted):
+                td.templates.linkage().set(**wrong).check(files_only=True)
+
     def test_the_screw_moves_grains(self):
         """At pitch times speed / (2 pi) at most, 0.31 m/s, and not much slower; its meshes are beside the file."""
         said = subprocess.run([os.environ["TANDEM"], "new", "scene", "auger", "--template", "screw"], capture_output=True, text=True, check=False)

@@ -12,6 +12,7 @@ namespace tandem::scene {
 namespace material_library_test {
 
 using testing::HasSubstr;
+using testing::Not;
 
 std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:g}", *value) : "";
@@ -132,6 +133,28 @@ TEST(MaterialLibrary, AMisspeltNameGetsTheNearestOne) {
       refusal(scene_of("unobtainium", "unobtainium", "")),
       HasSubstr(
           "'unobtainium' is no material of the scene or of the library (known materials of the library: "));
+  EXPECT_THAT(refusal(scene_of("steel", "steel", R"("materials": ["steel"],)")),
+              HasSubstr("dem.materials[0]: the value is \"steel\", and each material is an object (write "
+                        "{\"name\": \"steel\"}, "
+                        "which the library completes)"));
+  EXPECT_THAT(refusal(scene_of("stel", "steel", R"("materials": ["stel"],)")),
+              HasSubstr("or did you mean 'steel'?"));
+  EXPECT_THAT(refusal(scene_of("steel", "steel", R"("materials": {"steel": {}},)")),
+              HasSubstr("dem.materials: the value is an object (give a list"));
+  // Grains are of no liquid, and liquids of no solid.
+  const std::string watr = refusal(scene_of("watr", "steel", ""));
+  EXPECT_THAT(watr, HasSubstr("'watr' is no material of the scene or of the library (known materials"));
+  EXPECT_THAT(watr, Not(HasSubstr("water")));
+  const auto liquid = [](const std::string& name) {
+    return R"({"tandem": "1.1", "name": "x", "sph": {"liquids": [{"name": ")" + name + R"(", "fill": []}]}})";
+  };
+  EXPECT_THAT(refusal(liquid("watr")),
+              HasSubstr("sph.liquids[0]: the key 'density' is missing, and 'watr' is no liquid of "
+                        "the library (did you mean 'water'? if not, add density)"));
+  EXPECT_THAT(refusal(liquid("steel")),
+              HasSubstr("'steel' is a solid of the library (give density and viscosity, or take a "
+                        "liquid such as"));
+  EXPECT_THAT(refusal(liquid("stel")), Not(HasSubstr("steel")));
   // The names of the scene come first, and what has all its figures may have any name.
   const std::string gras =
       R"("materials": [{"name": "gras", "density": 1, "young": 1e7, "poisson": 0.3, "restitution": 0.5, "friction": 0.5}],)";

@@ -96,6 +96,25 @@ TEST(Solids, CavitiesWindTheOtherWay) {
   EXPECT_THAT(why_not_solid(both(outer, inverted(beside))), HasSubstr("its volume would be negative"));
 }
 
+// A solid in a cavity winds as its outer solid does, whatever touches what.
+TEST(Solids, TheDepthOfAPartSaysHowItWinds) {
+  const TriangleMesh outer = box_mesh({1, 1, 1}), cavity = inverted(box_mesh({0.5, 0.5, 0.5})),
+                     island = box_mesh({0.2, 0.2, 0.2});
+  EXPECT_EQ(why_not_solid(both(both(outer, cavity), island)), "");
+  EXPECT_THAT(why_not_solid(both(both(outer, cavity), inverted(island))),
+              HasSubstr("winds as the cavity that it is inside of: its volume would be negative"));
+  const auto moved = [](const TriangleMesh& mesh, Vec3d by) { return transformed(mesh, {by, {}}); };
+  for (const Vec3d by : {Vec3d{0.25, 0, 0}, {0.25, 0.25, 0.25}}) {  // flush with a face, and in a corner
+    EXPECT_EQ(why_not_solid(both(outer, moved(cavity, by))), "");
+    EXPECT_THAT(why_not_solid(both(outer, moved(inverted(cavity), by))), HasSubstr("would count twice"));
+  }
+  // Sheets are thin beside their triangles.
+  EXPECT_EQ(why_not_solid(both(outer, inverted(box_mesh({0.9, 0.9, 0.001})))), "");
+  // Its bounds are within those of the ball, but two of its edges stick out.
+  EXPECT_THAT(why_not_solid(both(sphere_mesh(1, 32), moved(cavity, {0.7, 0.7, 0}))),
+              HasSubstr("is a cavity cannot be judged: it is partly inside the closed part at"));
+}
+
 TEST(Solids, WindingNumbers) {
   const TriangleMesh ball = sphere_mesh(1, 16);
   EXPECT_NEAR(winding_number(ball, {0.3, 0.2, -0.1}), 1, 1e-12);

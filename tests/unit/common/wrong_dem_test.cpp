@@ -149,6 +149,19 @@ const WrongScene wrong_dem[] = {
      "dem.particles[0].fill.seed: the value is -1 (give a number from 0 to 9007199254740992: of the random "
      "radii and "
      "displacements [-])"},
+    {"ASumIsWrittenWithoutRoundOff",
+     R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": -0.30000000000000004}])",
+     "dem.particles[0].radius: the value is -0.3 (give a number from 1e-09 to 1e+09: of all spheres, or "
+     "smallest and "
+     "largest of a uniform distribution [m])"},
+    {"WrongByRoundOffAlone",
+     R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": 1000000000.0000002}])",
+     "dem.particles[0].radius: the value is 1000000000.0000002 (give a number from 1e-09 to 1e+09: of all "
+     "spheres, or "
+     "smallest and largest of a uniform distribution [m])"},
+    {"AGroupAsAName", R"([{"op": "replace", "path": "/dem/particles/0", "value": "sand"}])",
+     "dem.particles[0]: the value is \"sand\" (give an object, as {\"name\": \"sand\", ...}: groups of "
+     "spheres)"},
     {"NegativeRadius", R"([{"op": "replace", "path": "/dem/particles/0/radius", "value": -0.01}])",
      "dem.particles[0].radius: the value is -0.01 (give a number from 1e-09 to 1e+09: of all spheres, or "
      "smallest and "

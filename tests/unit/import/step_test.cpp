@@ -351,6 +351,11 @@ TEST_F(Step, RefusesWhatIsNoSolidMachine) {
   wrong.materials = {"*=stel"};
   EXPECT_THAT(refusal(files / "slider_crank.step", wrong),
               HasSubstr("there is no material 'stel' in the library"));
+  wrong.materials = {"water"};
+  EXPECT_EQ(
+      refusal(files / "slider_crank.step", wrong),
+      "--material: 'water' is a liquid, which no body can be of (give a solid of docs/materials.md, such as "
+      "--material steel, or the density of the part, as in --density 'tank*=1000')");
 }
 
 // The screw of the package occt-misc, from the numbers of its file [mm]: a shank with a chamfer, a

@@ -220,6 +220,19 @@ TEST(GeometryReview, AMeshMuchFinerThanSpheresNeed) {
           "m: one at the wall is compared with some 3.6e+03 of them, 36 us of a core in every micro step; "
           "sides of about the radius are enough, 3.6e+02 triangles: tandem mesh coarsen funnel.stl "
           "-o coarse.stl --deviation 0.0002"));
+  // The command works on the file, before the stretch.
+  SceneFile stretched = file;
+  stretched.mesh_facts[0].scale = 1e-3, stretched.mesh_facts[0].stretch = {4, 1, 2};
+  EXPECT_THAT(reviewed(stretched).warnings,
+              ElementsAre(HasSubstr("--deviation 5e-05 --scale 0.001, and keep the stretch")));
+}
+
+TEST(GeometryReview, AStretchIsNamedBesideTheScale) {
+  SceneFile file = with_mesh(box_mesh({100, 400, 50}));
+  file.mesh_facts[0].stretch = {1, 4, 1};
+  EXPECT_THAT(reviewed(file).warnings,
+              ElementsAre(HasSubstr("with a scale of 1 and a stretch of [1, 4, 1], in")));
+  EXPECT_EQ(to_json(file.mesh_facts)[0]["stretch"].dump(), "[1.0,4.0,1.0]");
 }
 
 TEST(GeometryReview, BodiesPassThroughEachOther) {

@@ -242,6 +242,16 @@ TEST(MeshRepair, APocketThatTouchesItsBoxStaysACavity) {
   }
 }
 
+// Partly inside: nobody can tell a cavity from a solid that passes through the surface.
+TEST(MeshRepair, SaysWhatCannotBeJudged) {
+  const TriangleMesh ball_of_one = sphere_mesh(1, 32), block = turned(box_mesh({0.5, 0.5, 0.5}));
+  const RepairedMesh result = repaired(with(ball_of_one, block, {0.7, 0.7, 0}), {});
+  EXPECT_THAT(result.done, testing::Not(testing::Contains(HasSubstr("turned"))));
+  ASSERT_EQ(result.unclear.size(), 1u);
+  EXPECT_THAT(result.unclear[0], HasSubstr("cannot be judged"));
+  EXPECT_TRUE(repaired(with(ball_of_one, block, {0.2, 0, 0}), {}).unclear.empty());
+}
+
 TEST(MeshCoarsen, StaysWithinTheStatedDeviation) {
   const TriangleMesh fine = sphere_mesh(0.1, 96);
   const CoarseMesh coarse = coarsened(fine, 1e-3);

@@ -118,6 +118,43 @@ class Meshes(unittest.TestCase):
         ball = s.body("ball", sphere=1, density=1)
         with self.assertRaisesRegex(td.SceneError, "cannot be scaled along one axis"):
             ball.scale(x=2)
+        self.assertEqual(ball.scale(-2).shapes[0]["shape"]["radius"], 2)  # mirrored, a ball is a ball
+        hull = s.body("hull", shape={"type": "convex_hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}, density=1)
+        self.assertEqual(hull.scale(x=2, about=(0, 0, 0)).shapes[0]["shape"]["points"][1], [2, 0, 0])
+
+    def test_what_is_no_factor_is_refused_at_the_call(self):
+        s = td.Scene("s", 1)
+        a = s.parameter("a", 1.)
+        b = s.body("b", box=(1, 2, 3), density=1)
+        field = s.body("field", shape={"type": "height_field", "size": [1, 1], "heights": [[0, 1], [0, 1]], "base": -1}, density=1)
+        for call, wanted in ((lambda: b.scale(x=0), "x of b.scale.. is 0"), (lambda: b.scale(math.nan), "factor of .* is nan, which is no finite number"),
+                             (lambda: b.scale(z=math.inf), "z of .* is inf"), (lambda: b.scale(x="=a"), 'is the formula .=a.*stretch": ."=a"'),
+                             (lambda: b.scale(x=a), "is the formula .=a"), (lambda: b.scale(x="2"), "x of b.scale.. is '2', which is no number"),
+                             (lambda: b.scale(2, about=(0, math.nan, 0)), r"about.1. of b.scale.. is nan"),
+                             (lambda: b.scale(2, about=(0, 0)), "three numbers"), (lambda: b.rotate("y", math.inf), "angle of b.rotate.. is inf"),
+                             (lambda: b.rotate((0, 0, 0), 1), "no direction"), (lambda: field.scale(2), "height_field 'field' of body 'field' cannot"),
+                             (lambda: s.body("c", box=(a, 1, 1), density=1).scale(x=2), "box 'c' of body 'c' has a formula")):
+            with self.assertRaisesRegex(td.SceneError, wanted) as caught:
+                call()
+            self.assertIn(__file__, caught.exception.made_at)
+        self.assertEqual(b.shapes[0]["shape"]["size"], [1, 2, 3])  # as it was
+
+    def test_names_of_meshes_start_at_the_current_folder(self):
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(self.file.parent)
+        s = td.Scene("s", 1)
+        grain = s.material("grain", density=2500, young=1e7)
+        shape = {"type": "mesh", "file": self.file.name}
+        wall = s.wall("a", shape=shape, material=grain)
+        s.add("dem.walls", name="b", material="grain", shape=shape)
+        s.body("c", shape=shape, density=1)
+        os.chdir("/")
+        self.assertEqual([wall.shape["file"], s["c"].shapes[0]["shape"]["file"]], [str(self.file)] * 2)
+        os.chdir(self.file.parent)
+        s.domain((0, 0, 0), (1, 1, 1))
+        self.assertEqual(s.json().count(f'"{self.file}"'), 3)  # a run has another folder
+        with self.assertRaisesRegex(td.SceneError, "no mesh file 'cub.stl'"):
+            s.wall("d", shape={"type": "mesh", "file": "cub.stl"}, material=grain)
 
 
 class Rotations(unittest.TestCase):

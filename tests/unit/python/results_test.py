@@ -17,7 +17,7 @@ class Case(unittest.TestCase):
         holder = tempfile.TemporaryDirectory()
         self.addCleanup(holder.cleanup)
         self.folder = pathlib.Path(holder.name)
-        self.summary(status="ok", scene="s", elements={"lift": {"type": "cylinder", "force": {"unit": "N"}, "energy": {"unit": "J"}}},
+        self.summary(status="ok", scene="s", windows=101, elements={"lift": {"type": "cylinder", "force": {"unit": "N"}, "energy": {"unit": "J"}}},
                      joint_units={"hinge": "rad"})
         t = np.arange(101) / 100
         self.t, self.force = t, 3 * t**2
@@ -80,6 +80,16 @@ class Signals(Case):
                 self.r[name]
         with self.assertRaisesRegex(AttributeError, "no 'forc'; did you mean 'force'"):
             self.r["lift"].forc
+        for call, wanted in ((lambda: self.r["lift.nope"], "^the results have no 'lift.nope'; 'lift' has 'lift.energy', 'lift.force'$"),
+                             (lambda: self.r["summary.nope"], "^the results have no 'summary.nope', and summary.json has no 'nope'"),
+                             (lambda: self.r["summary.windows"], r'write r.summary\["windows"\] or r.reduce\("summary.windows"\)$'),
+                             (lambda: self.r.summary["window"], "^summary.json has no 'window'; did you mean 'windows'"),
+                             (lambda: self.r.bodies["boxx"], "no body 'boxx'; did you mean 'box'"), (lambda: self.r[3], "3 is no name of a column")):
+            with self.assertRaisesRegex(KeyError, wanted):
+                call()
+        for of, wanted in (("lift.force:mean:a", "time that is no number"), ("lift.force:mean:0:1:2", "more than two times")):
+            with self.assertRaisesRegex(ValueError, wanted):
+                self.r.reduce(of)
         with self.assertRaisesRegex(KeyError, "no reduction 'men'"):
             self.r.reduce("lift.force:men")
         with self.assertRaisesRegex(KeyError, "is no column; it has 'lift.force', 'lift.energy'"):

@@ -163,6 +163,52 @@ class Errors(unittest.TestCase):
             call()
         self.assertTrue(caught.exception.made_at.startswith(__file__), caught.exception.made_at)
 
+    def test_what_a_newcomer_writes(self):
+        s = td.Scene("s", 1)
+        r = s.parameter("r", .03)
+        g = s.material("g", density=2500, young=1e7)
+        bed = s.box("bed", (1, 1, 1), material=g)
+        for pattern, call in (("the height is -1", lambda: s.fill(bed, g, radius=.1, height=-1)), ("the height is 'a'", lambda: s.fill(bed, g, radius=.1, height="a")),
+                              ("settle is 'no'", lambda: s.fill(bed, g, radius=.1, settle="no")), ("name of the scene is 3", lambda: td.Scene(3, 1)),
+                              ("cylinder= is 1 .give .radius, height", lambda: s.body("b", cylinder=1, density=1)),
+                              ("cylinder= is .1, 2, 3.", lambda: s.body("b", cylinder=(1, 2, 3), density=1)),
+                              ("shape= is 'box'", lambda: s.body("b", shape="box", density=1)), ("mesh= is 3", lambda: s.body("b", mesh=3, density=1)),
+                              ("the mass is -1 .give kg above 0", lambda: s.body("b", mass=-1, box=(1, 1, 1))),
+                              ("density does not follow", lambda: s.body("b", mass=1, box=(1, 1))), ("no key 'cone'", lambda: s.body("b", cone=1))):
+            self.check(pattern, call)
+        hinge = s.revolute("h", "ground", s.body("arm", mass=1, inertia=(1, 1, 1)), at=(0, 0, 0), axis="y")
+        motor = s.motor("m", hinge, max_torque=5)
+        for pattern, call in (("is no function of time .give a number, pairs", lambda: setattr(motor, "speed", [1, 2, 3])),
+                              ("speed of 'm' is None", lambda: setattr(motor, "speed", None)), ("times of a table is 'abc'", lambda: td.table("abc", [1])),
+                              ("gains of 'weak' do not follow: .* is -5", lambda: s.motor("weak", hinge, max_torque=-5)),
+                              ("td.deg.. takes a number", lambda: td.deg("30")), ("deviation of td.normal.. is 0", lambda: td.normal(.1, 0)),
+                              ("is that of ln.radius.", lambda: td.log_normal(1, 1000)), ("name of a parameter is 3", lambda: s.parameter(3, 1)),
+                              ("arguments= is '--strict' .give a list of texts: arguments=.'--strict'", lambda: s.start(arguments="--strict")),
+                              ("out= is 3", lambda: s.start(out=3)), ("controller= is 3", lambda: s.start(controller=3)),
+                              ("file is None", lambda: td.load(None)), ("x.json: cannot be written", lambda: digger().save("/nowhere/x.json"))):
+            self.check(pattern, call)
+        self.assertEqual(s.motor("by_formula", hinge, max_torque=20 * r).gains, {"proportional": "=(20 * r) / 0.1"})
+        # Formulas: the energy at rest and the spacing follow, a domain does not.
+        s.fill(bed, g, radius=(.9 * r, 1.1 * r), height="=10*r", settle=True)
+        self.assertRegex(s.data["dem"]["settle"]["kinetic_energy"], r"^=min\(.*0.9 \* r.*\^4, .*\)$")
+        self.assertEqual(s.entries("dem.particles")[0]["fill"]["level"], "=(-0.5) + (10*r)")
+        self.assertEqual(s.lattice(g, (0, 0, 0), (1, 1, 1), radius=r).fill["spacing"], "=2.2 * r")
+        s.box("wide", (4 * r, 9, 9), material=g)
+        self.check("domain does not follow from the scene: 'wide' has a formula", s.json)
+
+    def test_a_material_of_the_library(self):
+        s = td.Scene("s", 1)
+        self.assertEqual(s.material("glass").entry, {"name": "glass"})
+        self.assertEqual(s.material("own", density=1, young=1e7).poisson, .25)
+        bed = s.box("bed", (1, 1, 1), material="glass")
+        self.check("energy at rest of 'glass' does not follow: .* .give settle=", lambda: s.fill(bed, "glass", radius=.1, settle=True))
+
+    def test_a_list_that_holds_a_text_is_left_to_the_program(self):
+        s = td.Scene("s", 1)
+        s.section("dem")["materials"] = ["steel"]
+        self.assertEqual(list(s.parts()), [])
+        self.assertIn("the value is", str(s.error_of("error: dem.materials[0]: the value is 'steel'")))
+
     def test_wrong_words(self):
         s = digger()
         self.check("no key 'dampin'; did you mean 'damping'", lambda: s.revolute("h", "ground", "arm", at=(0, 0, 0), axis="y", dampin=1))

@@ -142,7 +142,7 @@ class Refusals(unittest.TestCase):
 
     def test_errors(self):
         self.assertEqual([error_of_text(text) for text in ("1%", "0.5%", "0.02")], [.01, .005, .02])
-        for text in ("0", "1", "100%", "one", "-1%", "nan", "inf", "nan%", "%"):
+        for text in ("0", "1", "100%", "one", "-1%", "nan", "inf", "nan%", "%", "1_0%"):
             with self.assertRaisesRegex(td.SceneError, "is no error .*--error 1%"):
                 error_of_text(text)
 
@@ -186,14 +186,19 @@ class Refusals(unittest.TestCase):
         self.assertEqual(numbers("4,16", "--modulus"), [4, 16])
         with self.assertRaisesRegex(td.SceneError, "--step: 'a,b' is no list of numbers"):
             numbers("a,b", "--step")
+        with self.assertRaisesRegex(td.SceneError, "--modulus: '1_0' is no list of numbers"):
+            numbers("1_0", "--modulus")
+        with self.assertRaisesRegex(td.SceneError, "--modulus: 'nan' is no finite number"):
+            numbers("2,nan", "--modulus")
         s = bed()
         s.parameter("mouth", .1)
         s.save(str(self.folder / "s.json"))
         self.assertEqual(scene_of(str(self.folder / "s.json"), ["mouth=.2"]).data["parameters"]["mouth"]["value"], .2)
         with self.assertRaisesRegex(td.SceneError, "no parameter 'muoth'; did you mean 'mouth'"):
             scene_of(str(self.folder / "s.json"), ["muoth=.2"])
-        for word in ("wide", "nan", "inf", "1e400"):
-            with self.assertRaisesRegex(td.SceneError, f"'mouth={word}' gives no value"):
+        for word, wanted in (("wide", "'mouth=wide' gives no value"), ("1_0", "'mouth=1_0' gives no value"), ("nan", "'nan' is no finite number"),
+                             ("1e400", "'1e400' is no finite number")):
+            with self.assertRaisesRegex(td.SceneError, wanted):
                 scene_of(str(self.folder / "s.json"), [f"mouth={word}"])
 
     def test_a_suspect_stiff_scene_and_an_error_below_its_scatter(self):

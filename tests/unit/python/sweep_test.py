@@ -67,6 +67,13 @@ class Sweeps(Case):
         for score, wanted in (("lift.force:meen", "did you mean 'mean'"), (["lift.force:mean:a"], "a time that is no number"), ("lift.force:max:0:7", "outside the run")):
             with self.assertRaisesRegex(td.SceneError, wanted):
                 self.sweep(x=[1, 2, 3], score=score)
+        for keys, wanted in (({"x": []}, "x has no values"), ({"x": [1, 2, 1.0]}, "x has the value 1 twice"), ({"x": [1], "jobs": 0}, "jobs is 0"),
+                             ({"x": [1], "score": 3}, "score: it is 3"), ({"x": [1], "score": "lift.force:meen"}, "^score lift.force:meen: ")):
+            with self.assertRaisesRegex(td.SceneError, wanted) as caught:
+                self.sweep(**keys)
+            self.assertIn(__file__, caught.exception.made_at)
+        with self.assertRaisesRegex(td.SceneError, "3 is no scene"):
+            td.sweep(3, x=[1])
         self.assertEqual(self.runs(), [])
         before = []
         for _ in range(2):  # nothing runs again where the first variant has been run before
@@ -171,8 +178,11 @@ class Words(Case):
     def test_values(self):
         self.assertEqual(values_of("mouth=0.05:0.08:4"), ("mouth", [.05, .06, .07, .08]))
         self.assertEqual(values_of("pitch=10,20"), ("pitch", [10, 20]))
-        for text in ("mouth", "mouth=", "=1", "mouth=1:2", "mouth=1:2:1", "mouth=a", "mouth=nan", "mouth=1,inf", "mouth=0:inf:3", "mouth=1e400"):
+        for text in ("mouth", "mouth=", "=1", "mouth=1:2", "mouth=1:2:1", "mouth=a", "mouth=1_0", "mouth=1:2:1_0"):
             with self.assertRaisesRegex(td.SceneError, "gives no parameter values"):
+                values_of(text)
+        for text, word in (("mouth=nan", "nan"), ("mouth=1,inf", "inf"), ("mouth=0:-inf:3", "-inf"), ("mouth=1e400", "1e400")):
+            with self.assertRaisesRegex(td.SceneError, f"--set: '{word}' is no finite number"):
                 values_of(text)
 
     def test_command(self):
