@@ -222,7 +222,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   if (!model.contact.empty()) {
     state.touch_step.setZero(1);
     state.contact_wrench.setZero(6, std::ssize(model.boundary));
-    state.island_steps.setZero(2, static_cast<Eigen::Index>(file.size("island_steps") / 2));
+    state.island_steps.setZero(3, static_cast<Eigen::Index>(file.size("island_steps") / 3));
   }
   if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {

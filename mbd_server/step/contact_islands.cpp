@@ -13,6 +13,10 @@ namespace {
 constexpr std::size_t fewest = 8;
 // The end of a step, as a share of its length.
 constexpr double round_off_of_step = 1e-12;
+// Bodies are at rest whose accelerations are below this share of that of gravity, and their rates below that
+// share of that of a fall through their size; an island sleeps after so much time at rest [s]. The tolerance
+// of Newton's method leaves some 1e-6 of gravity on stiff contacts.
+constexpr double least_acceleration = 1e-5, least_rate = 1e-7, asleep_after = 0.1;
 
 bool is_of_free_bodies(const Model& model, std::size_t free) {
   return !model.contact.empty() && model.contact.outputs.empty() && !model.contact.impacts_within_steps &&
@@ -93,7 +97,7 @@ ContactIslands::~ContactIslands() = default;
 
 void ContactIslands::prepare(State& state) const {
   if (!apply()) return;
-  state.island_steps.resize(2, std::ssize(bodies_));
+  state.island_steps.setZero(3, std::ssize(bodies_));
   state.island_steps.row(0).setConstant(state.step);
   state.island_steps.row(1).setConstant(state.touch_step[0]);
 }
@@ -107,6 +111,7 @@ void ContactIslands::step(State& state, const MachineSystem& system, double h, d
   assume_rates(links, h);
   group_.resize(bodies_.size());
   std::iota(group_.begin(), group_.end(), 0);
+  contacts_ = begin.contacts;
   connect_contacts(begin);
   std::vector<Bodies> all;
   for (bool faster = true; faster;) {
@@ -114,6 +119,7 @@ void ContactIslands::step(State& state, const MachineSystem& system, double h, d
     all = groups();
     faster = false;
     for (const Bodies& bodies : all) {
+      if (sleeps(begin, bodies)) continue;
       Island& one = island(bodies);
       if (one.done) continue;
       gather(begin, one);
@@ -126,6 +132,10 @@ void ContactIslands::step(State& state, const MachineSystem& system, double h, d
   ContactExtremes extremes;
   double lost = 0;
   for (const Bodies& bodies : all) {
+    if (sleeps(state, bodies)) {
+      keep_asleep(bodies, state);
+      continue;
+    }
     Island& one = island(bodies);
     one.used = true;
     scatter(one, state);
@@ -152,8 +162,7 @@ void ContactIslands::step(State& state, const MachineSystem& system, double h, d
 void ContactIslands::assume_rates(const std::vector<LinkMotion>& links, double h) {
   travel_.clear();
   for (const ContactShape& shape : model_.contact.shapes)
-    travel_.push_back(shape.link == 0 ? 0
-                                      : h * (rate_of(shape, links) + 2 * h * model_.gravity.norm()));
+    travel_.push_back(shape.link == 0 ? 0 : h * (rate_of(shape, links) + 2 * h * model_.gravity.norm()));
 }
 
 int ContactIslands::first(int body) {
@@ -174,7 +183,13 @@ void ContactIslands::join(int shape_a, int shape_b) {
 }
 
 void ContactIslands::connect_contacts(const State& state) {
-  for (const ContactPoint& point : state.contacts) join(point.feature.a, point.feature.b);
+  contacts_of_.assign(bodies_.size(), {});
+  for (std::size_t k = 0; k < state.contacts.size(); ++k) {
+    const int a = state.contacts[k].feature.a, b = state.contacts[k].feature.b;
+    join(a, b);
+    const auto [low, high] = std::minmax({body_of(a), body_of(b)});
+    contacts_of_[static_cast<std::size_t>(low == none ? high : low)].push_back(k);
+  }
 }
 
 void ContactIslands::connect_near(const std::vector<LinkMotion>& links, double h) {
@@ -205,14 +220,15 @@ std::vector<ContactIslands::Bodies> ContactIslands::groups() {
 
 ContactIslands::Island& ContactIslands::island(const Bodies& bodies) {
   std::unique_ptr<Island>& island = islands_[bodies];
-  if (!island) island = std::make_unique<Island>(island_model(model_, bodies_, bodies), bodies, rho_inf_, newton_);
+  if (!island)
+    island = std::make_unique<Island>(island_model(model_, bodies_, bodies), bodies, rho_inf_, newton_);
   return *island;
 }
 
 // ---- the step of one island
 
-// The shortest of the steps of bodies that were in different islands before; accelerations of the method stand
-// for the time of their own step, and are taken to that of the shortest one, as where a step changes.
+// The shortest of the steps of bodies that were in different islands before; accelerations of the method
+// stand for the time of their own step, and are taken to that of the shortest one, as where a step changes.
 void ContactIslands::gather(const State& state, Island& island) const {
   State& own = island.state;
   own.time = state.time, own.side = state.side, own.steps = state.steps;
@@ -228,25 +244,35 @@ void ContactIslands::gather(const State& state, Island& island) const {
     const int body = island.bodies[k];
     const FreeBodies::Body& b = bodies_[static_cast<std::size_t>(body)];
     for (int i = 0; i < 2; ++i) {
-      const Link &from = model_.links[i == 0 ? b.translation : b.rotation], &to = island.model.links[2 * k + i + 1];
+      const Link &from = model_.links[i == 0 ? b.translation : b.rotation],
+                 &to = island.model.links[2 * k + i + 1];
       const int n = coordinates(from.kind);
       own.q.segment(to.q, n) = state.q.segment(from.q, n);
-      const auto copy = [&](const VectorXd& all, VectorXd& part) { part.segment<3>(to.u) = all.segment<3>(from.u); };
-      copy(state.u, own.u), copy(state.udot, own.udot), copy(state.a, own.a), copy(state.udot_rate, own.udot_rate);
+      const auto copy = [&](const VectorXd& all, VectorXd& part) {
+        part.segment<3>(to.u) = all.segment<3>(from.u);
+      };
+      copy(state.u, own.u), copy(state.udot, own.udot), copy(state.a, own.a),
+          copy(state.udot_rate, own.udot_rate);
       if (const double step = state.island_steps(0, body); step > own.step && own.step > 0)
-        own.a.segment<3>(to.u) += (c.alpha_m - c.alpha_f) * (own.step - step) * own.udot_rate.segment<3>(to.u);
+        own.a.segment<3>(to.u) +=
+            (c.alpha_m - c.alpha_f) * (own.step - step) * own.udot_rate.segment<3>(to.u);
     }
   }
   own.contacts.clear();
   const auto of = [&](int shape) {
     const auto found = std::ranges::lower_bound(island.shapes, shape);
-    return found != island.shapes.end() && *found == shape ? static_cast<int>(found - island.shapes.begin()) : none;
+    return found != island.shapes.end() && *found == shape ? static_cast<int>(found - island.shapes.begin())
+                                                           : none;
   };
-  for (const ContactPoint& point : state.contacts) {
-    const int a = of(point.feature.a), b = of(point.feature.b);
-    if (a == none || b == none) continue;
-    own.contacts.push_back(point);
-    own.contacts.back().feature.a = a, own.contacts.back().feature.b = b;
+  std::vector<std::size_t> places;
+  for (const int body : island.bodies) {
+    const auto& own_places = contacts_of_[static_cast<std::size_t>(body)];
+    places.insert(places.end(), own_places.begin(), own_places.end());
+  }
+  std::ranges::sort(places);
+  for (const std::size_t k : places) {
+    ContactFeature& feature = own.contacts.emplace_back(contacts_[k]).feature;
+    feature.a = of(feature.a), feature.b = of(feature.b);
   }
 }
 
@@ -284,7 +310,8 @@ bool ContactIslands::integrate(const State& begin, double h, double energy_scale
       island.extremes.shape_a = island.shapes[static_cast<std::size_t>(now.shape_a)],
       island.extremes.shape_b = island.shapes[static_cast<std::size_t>(now.shape_b)];
     for (std::size_t s = 0; s < island.rates.size(); ++s)
-      island.rates[s] = std::max(island.rates[s], rate_of(island.model.contact.shapes[s], island.system.links()));
+      island.rates[s] =
+          std::max(island.rates[s], rate_of(island.model.contact.shapes[s], island.system.links()));
   }
   state.time = begin.time + h;
   island.lost = island.touching.take_lost();
@@ -303,21 +330,65 @@ bool ContactIslands::note_rates(const Island& island, double h) {
   return faster;
 }
 
+// ---- rest
+
+bool ContactIslands::sleeps(const State& state, const Bodies& bodies) const {
+  return std::ranges::all_of(bodies, [&](int body) { return state.island_steps(2, body) >= asleep_after; });
+}
+
+void ContactIslands::keep_asleep(const Bodies& bodies, State& state) {
+  std::vector<std::size_t> places;
+  for (const int body : bodies) {
+    const int u = bodies_[static_cast<std::size_t>(body)].u;
+    for (VectorXd* rates : {&state.u, &state.udot, &state.a, &state.udot_rate, &local_errors_})
+      rates->segment<6>(u).setZero();
+    const auto& own = contacts_of_[static_cast<std::size_t>(body)];
+    places.insert(places.end(), own.begin(), own.end());
+  }
+  std::ranges::sort(places);
+  for (const std::size_t k : places) state.contacts.push_back(contacts_[k]);
+}
+
+// After the step. Bodies that touch nothing do not rest, whatever their rates are.
+double ContactIslands::time_at_rest(const Island& island, const State& before) const {
+  const double g = model_.gravity.norm();
+  if (!(g > 0) || island.state.contacts.empty()) return 0;
+  for (const ContactShape& shape : island.model.contact.shapes) {
+    if (shape.link == 0) continue;
+    const LinkMotion& link = island.system.links()[static_cast<std::size_t>(shape.link)];
+    const Vector3d centre = link.point(shape.centre);
+    const double rate = at_point(link.V, centre).norm() + link.V.head<3>().norm() * shape.bound;
+    // Accelerations of links are less that of gravity.
+    const double acceleration =
+        (at_point(link.A, centre) + model_.gravity).norm() + link.A.head<3>().norm() * shape.bound;
+    if (rate > least_rate * std::sqrt(2 * g * shape.bound) || acceleration > least_acceleration * g) return 0;
+  }
+  double least = HUGE_VAL;
+  for (const int body : island.bodies) least = std::min(least, before.island_steps(2, body));
+  return least + island.state.time - before.time;
+}
+
 void ContactIslands::scatter(const Island& island, State& state) {
   const State& own = island.state;
+  const double rested = time_at_rest(island, state);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const int body = island.bodies[k];
     const FreeBodies::Body& b = bodies_[static_cast<std::size_t>(body)];
     for (int i = 0; i < 2; ++i) {
-      const Link &to = model_.links[i == 0 ? b.translation : b.rotation], &from = island.model.links[2 * k + i + 1];
+      const Link &to = model_.links[i == 0 ? b.translation : b.rotation],
+                 &from = island.model.links[2 * k + i + 1];
       const int n = coordinates(from.kind);
       state.q.segment(to.q, n) = own.q.segment(from.q, n);
-      const auto copy = [&](const VectorXd& part, VectorXd& all) { all.segment<3>(to.u) = part.segment<3>(from.u); };
-      copy(own.u, state.u), copy(own.udot, state.udot), copy(own.a, state.a), copy(own.udot_rate, state.udot_rate);
+      const auto copy = [&](const VectorXd& part, VectorXd& all) {
+        all.segment<3>(to.u) = part.segment<3>(from.u);
+      };
+      copy(own.u, state.u), copy(own.udot, state.udot), copy(own.a, state.a),
+          copy(own.udot_rate, state.udot_rate);
       copy(island.errors, local_errors_);
     }
     state.island_steps(0, body) = own.step;
     state.island_steps(1, body) = own.touch_step[0];
+    state.island_steps(2, body) = rested;
   }
   if (const double longest = own.touch_step[0]; longest > 0)
     state.touch_step[0] = state.touch_step[0] > 0 ? std::min(state.touch_step[0], longest) : longest;

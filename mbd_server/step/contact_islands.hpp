@@ -4,11 +4,14 @@
 // Islands follow from what may touch: bodies with a point in contact, and those of which two features may
 // meet within the step at the rates of its begin. Afterwards each body has a largest rate; where it is larger
 // than was assumed, pairs are looked for again, and islands that may have met are taken together and repeat
-// the step. An island is a machine of its own (island_model()) with the method, the contacts and the matrix of
-// any other one, so that no rule of contact is written twice.
+// the step. An island is a machine of its own (island_model()) with the method, the contacts and the matrix
+// of any other one, so that no rule of contact is written twice.
+//
+// An island that has been at rest for a while sleeps: it takes no step, and its bodies keep their places and
+// their points of contact, without rates. It wakes where a body that does not sleep may touch one of it.
 //
 // Every quantity of the method is that of a body, but for the length of its last step and the longest step
-// that contacts allow: the state keeps these two for each body (State::island_steps).
+// that contacts allow: the state keeps these two, and the time at rest, for each body (State::island_steps).
 #pragma once
 
 #include <map>
@@ -31,8 +34,8 @@ class ContactIslands {
   void prepare(State& state) const;
   // Takes a step of length h, in which no function of time breaks. `system`: at its last residual(), which is
   // that of the state. What the islands count and lose is added to `method` and `touching`.
-  void step(State& state, const MachineSystem& system, double h, double energy_scale, GeneralizedAlpha& method,
-            BodyContacts& touching);
+  void step(State& state, const MachineSystem& system, double h, double energy_scale,
+            GeneralizedAlpha& method, BodyContacts& touching);
   // Local errors of the position in the last step, summed over the steps of its island (freedoms) [rad or m].
   const VectorXd& local_errors() const { return local_errors_; }
 
@@ -51,6 +54,9 @@ class ContactIslands {
   void gather(const State& state, Island& island) const;
   bool integrate(const State& begin, double h, double energy_scale, Island& island);
   void scatter(const Island& island, State& state);
+  bool sleeps(const State& state, const Bodies& bodies) const;
+  void keep_asleep(const Bodies& bodies, State& state);
+  double time_at_rest(const Island& island, const State& before) const;
   bool note_rates(const Island& island, double h);
 
   const Model& model_;
@@ -64,6 +70,9 @@ class ContactIslands {
   std::vector<NearPair> pairs_;
   std::vector<ContactFeature> features_;
   bool crowded_ = false;
+  std::vector<ContactPoint> contacts_;  // at the begin of the step
+  std::vector<std::vector<std::size_t>>
+      contacts_of_;  // those of a body with the ground or later ones (bodies)
   VectorXd local_errors_;
   std::map<Bodies, std::unique_ptr<Island>> islands_;  // of this step and the last one
 };

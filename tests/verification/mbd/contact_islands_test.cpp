@@ -91,6 +91,29 @@ TEST(ContactIslands, GiveTheSameBitsAfterARollbackAndARestart) {
   std::filesystem::remove(file);
 }
 
+// Boxes on the floor sleep; a ball that falls on one of them wakes it, and both sleep again on the depth of
+// their weight.
+TEST(ContactIslands, SleepAtRestAndWake) {
+  constexpr int boxes = 8, windows = 800;
+  constexpr double k = 1e5, side = 0.1, window = 2e-3;
+  ContactScene s;
+  s.add_floor();
+  s.material() = {"stuff", k, 0, 0, 0.2, 0.5};
+  for (int i = 0; i < boxes; ++i)
+    s.add_box("box" + std::to_string(i), 1, {side, side, side}, {0.5 * i, 0, side / 2});
+  s.add_ball("ball", 1, 0.03, {0, 0, 1.5});
+  ContactRun run(s.scene, window);
+  run.advance(windows);
+  expect_near("height of a box that sleeps [m]", run.position(1).z, side / 2 - g / (4 * k), 1e-8);
+  expect_near("height of the box under the ball [m]", run.position(0).z, side / 2 - 2 * g / (4 * k), 1e-7);
+  expect_near("height of the ball [m]", run.position(boxes).z, side + 0.03 - 2 * g / (4 * k) - g / k, 1e-7);
+  EXPECT_EQ(run.velocity(1).z, 0);
+  const double steps = run.facts().at("mbd_steps").get<double>();
+  std::printf("  steps %g, of all bodies in all windows %d\n", steps, (boxes + 1) * windows);
+  EXPECT_LT(steps, 0.5 * (boxes + 1) * windows);
+  EXPECT_GT(run.facts().at("mbd_body_contacts").get<double>(), 0);
+}
+
 // In both orders each island has the same bodies, in another order: round-off.
 TEST(ContactIslands, DoNotDependOnTheOrderOfBodies) {
   constexpr int boxes = 12;
