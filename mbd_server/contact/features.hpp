@@ -25,7 +25,9 @@ struct NearPair {
   int a = none, b = none;
   double reach = 0;
 };
+// `travel`: the largest ways of the shapes in that time where they are known, else those at their rates
+// [m] (shapes).
 void find_pairs(const Model& model, const std::vector<LinkMotion>& links, double h,
-                std::vector<NearPair>& pairs);
+                std::vector<NearPair>& pairs, const std::vector<double>* travel = nullptr);
 
 }  // namespace tandem::mbd

@@ -15,7 +15,7 @@ struct Bound {
 }  // namespace
 
 void find_pairs(const Model& model, const std::vector<LinkMotion>& links, double h,
-                std::vector<NearPair>& pairs) {
+                std::vector<NearPair>& pairs, const std::vector<double>* travel) {
   pairs.clear();
   const BodyContactModel& contact = model.contact;
   const int count = static_cast<int>(std::ssize(contact.shapes));
@@ -29,6 +29,7 @@ void find_pairs(const Model& model, const std::vector<LinkMotion>& links, double
     bound.radius = shape.bound;
     const double speed = at_point(link.V, bound.centre).norm() + link.V.head<3>().norm() * shape.bound;
     bound.travel = shape.link == 0 ? 0 : h * speed + h * h * model.gravity.norm();
+    if (travel) bound.travel = (*travel)[static_cast<std::size_t>(i)];
     (shape.kind == ContactShape::Kind::plane ? planes : order).push_back(i);
   }
   const auto low = [&](int i) {

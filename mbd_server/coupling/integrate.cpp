@@ -146,6 +146,12 @@ void MbdSolver::integrate_until(double end, double length) {
   const auto step_with_stops = [&](double h) { return m.contacts.step(state_, h, stride); };
   const BodyContacts::Stride stride_to_stops = std::ref(step_with_stops);
   const double energy_scale = m.model.contact.empty() ? 0 : this->energy_scale();
+  const bool in_islands = m.islands.apply() && !control_ && !again_ && !m.extrapolation && !m.explicit_method;
+  const auto step_of_islands = [&](double h) {
+    m.islands.step(state_, m.system, h, energy_scale, m.method, m.touching);
+    local_error_ = m.islands.local_errors();
+    return h;
+  };
   for (int i = 0; state_.time < end; ++i) {
     if (!control_ || i == 0)
       m.contacts.begin({.step = steps.length, .tolerance = control_ ? control_->tolerance() : 0});
@@ -153,7 +159,7 @@ void MbdSolver::integrate_until(double end, double length) {
     m.touching.begin(control_ ? longest_step_ : steps.length, energy_scale);
     double left = control_ ? end - state_.time : steps.length;
     do {
-      const double h = m.touching.step(state_, left, stride_to_stops);
+      const double h = in_islands ? step_of_islands(left) : m.touching.step(state_, left, stride_to_stops);
       left -= h;
       // The end is set exactly, not as a sum of rounded steps.
       if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)

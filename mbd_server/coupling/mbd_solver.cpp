@@ -80,6 +80,8 @@ MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMe
       contacts(model, method, system, state),
       stiction(model, method, system, state),
       touching(model, method, system, state, contacts, stiction),
+      islands(model, scene.mbd->integrator.rho_inf,
+              {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}),
       joints(model),
       undetermined(model),
       balance(model),
@@ -151,6 +153,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   machine_->touching.prepare(state_);
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
   machine_->touching.note_start(state_, cut(scene.coupling.window).length);
+  machine_->islands.prepare(state_);
   predicted_ = state_;
   before_.resize(model.boundary.size());
   motion_.bodies.resize(model.boundary.size());

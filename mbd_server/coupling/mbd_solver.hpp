@@ -16,7 +16,7 @@
 #include "mbd_server/io/undetermined.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/solve/equilibrium.hpp"
-#include "mbd_server/step/body_contacts.hpp"
+#include "mbd_server/step/contact_islands.hpp"
 #include "mbd_server/step/dormand_prince.hpp"
 #include "mbd_server/step/richardson.hpp"
 #include "mbd_server/step/step_control.hpp"
@@ -66,6 +66,7 @@ class MbdSolver final : public protocol::MotionSolver {
     StopContacts contacts;
     Stiction stiction;
     BodyContacts touching;
+    ContactIslands islands;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;

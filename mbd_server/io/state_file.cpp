@@ -18,7 +18,7 @@ namespace tandem::mbd {
 namespace {
 
 constexpr const char* kind = "tandem multibody state";
-constexpr std::uint64_t version = 13;
+constexpr std::uint64_t version = 14;
 
 // Text that identifies the machine of a state: its coordinates and the equations of its loops.
 std::string machine(const Model& model) {
@@ -222,6 +222,7 @@ SavedState read_state(const std::filesystem::path& path, const Model& model) {
   if (!model.contact.empty()) {
     state.touch_step.setZero(1);
     state.contact_wrench.setZero(6, std::ssize(model.boundary));
+    state.island_steps.setZero(3, static_cast<Eigen::Index>(file.size("island_steps") / 3));
   }
   if (file.size("coarse") > 0) state.coarse = state.fine = VectorXd::Zero(packed_size(state));
   for_each_field(state, [&]<class Field>(const char* name, Field& field) {

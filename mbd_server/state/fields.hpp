@@ -32,6 +32,7 @@ void for_each_field(AnyState& state, F&& f) {
   f("sliding", state.sliding);
   f("contacts", state.contacts);
   f("touch_step", state.touch_step);
+  f("island_steps", state.island_steps);
   f("contact_wrench", state.contact_wrench);
   f("coarse", state.coarse);
   f("fine", state.fine);

@@ -70,6 +70,10 @@ struct State {
   std::vector<ContactPoint> contacts;
   // Longest step that they allow [s], 0: no limit (1); empty where the scene has none.
   VectorXd touch_step;
+  // Of bodies that take steps of their own (ContactIslands): the last step; the longest one that contacts
+  // allow, 0: no limit; and for how long the island has been at rest [s] (3 x free bodies); empty where all
+  // take the same steps.
+  Eigen::Matrix<double, 3, Eigen::Dynamic> island_steps;
   // Algorithmic wrench of these contacts on each boundary body, which follows it as `a` follows udot: torque
   // about its centre of mass and force, world axes [N m], [N] (6 x boundary bodies; empty likewise).
   Eigen::Matrix<double, 6, Eigen::Dynamic> contact_wrench;

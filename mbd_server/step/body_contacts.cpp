@@ -67,7 +67,7 @@ void BodyContacts::expect_apart(const State& state, double share, ErrorCode code
 double BodyContacts::step(State& state, double h, const Stride& stride) {
   if (model_.contact.empty()) return stride(h);
   system_.residual(state);
-  rules_.look_at(state.contacts);
+  rules_.look_at(state.contacts, crowded_);
   const double room = rules_.crowded() && state.touch_step[0] > 0 ? std::min(h, state.touch_step[0]) : h;
   candidates_.find(system_.links(), room, state.contacts);
   if (candidates_.turned()) shorten(state, *candidates_.turned());

@@ -64,15 +64,27 @@ class BodyContacts {
   // Finds what is released at the start, when the method has started there.
   void note_start(State& state, double h);
   const ReleasedAtStart& released() const { return released_; }
-  // The requested step, up to which steps grow again after a contact [s], and the energy that moves [J].
-  void begin(double requested, double energy_scale) {
+  // The requested step, up to which steps grow again after a contact [s], the energy that moves [J], and
+  // whether many pairs are in contact in the scene, of which these bodies are a part.
+  void begin(double requested, double energy_scale, bool crowded = false) {
     requested_ = requested;
+    crowded_ = crowded;
     rules_.set_energy_scale(energy_scale);
   }
   // Takes one step of at most h that passes no begin of a contact. Returns its length [s].
   double step(State& state, double h, const Stride& stride);
 
   const BodyContactCounters& counters() const { return counters_; }
+  // Adds what an island has counted from `before` to `after`.
+  void count(const BodyContactCounters& before, const BodyContactCounters& after) {
+    counters_.contacts += after.contacts - before.contacts;
+    counters_.steps += after.steps - before.steps;
+  }
+  // Sets what the last step of all islands has lost [J], and its extremes.
+  void set_of_islands(double lost, const ContactExtremes& extremes) {
+    ledger_.lose(lost);
+    extremes_ = extremes;
+  }
   // Energy that contacts have dissipated since the last call [J].
   double take_lost() { return ledger_.take_lost(); }
   // Calls f(energy, account) with the shares of the outputs in it [J].
@@ -119,6 +131,7 @@ class BodyContacts {
   ShortenedSteps shortened_before_;
   State before_;
   double requested_ = 0;  // [s]
+  bool crowded_ = false;
   BodyContactCounters counters_;
   ContactExtremes extremes_;
   ReleasedAtStart released_;

@@ -26,6 +26,7 @@ class ContactLedger {
 
   // Energy that contacts have dissipated [J].
   void lose(double energy, int shape_a, int shape_b);
+  void lose(double energy) { lost_ += energy; }  // where there are no outputs
   double take_lost() { return std::exchange(lost_, 0.0); }
   // Calls f(energy, account) with the shares of the outputs in it [J].
   template <class F>

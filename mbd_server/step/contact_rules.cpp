@@ -79,11 +79,15 @@ bool ContactRules::returns_faintly(const ContactFeature& f, double gap, double r
   return !f.on_mesh && rate * rate + 2 * model_.gravity.norm() * gap < faint_square(f.a, f.b);
 }
 
-void ContactRules::look_at(const std::vector<ContactPoint>& points) {
+bool is_crowd(const std::vector<ContactPoint>& points) {
   std::vector<ShapePair> pairs;
   for (const ContactPoint& point : points) pairs.push_back(pair_of(point.feature));
   std::sort(pairs.begin(), pairs.end());
-  crowded_ = std::unique(pairs.begin(), pairs.end()) - pairs.begin() >= crowd;
+  return std::unique(pairs.begin(), pairs.end()) - pairs.begin() >= crowd;
+}
+
+void ContactRules::look_at(const std::vector<ContactPoint>& points, bool crowded) {
+  crowded_ = crowded || is_crowd(points);
 }
 
 // Without the cut, the force that begins within a step acts as one that rises over the whole step: the error

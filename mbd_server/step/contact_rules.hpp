@@ -18,6 +18,9 @@ struct ContactExchange {
   double square(const ContactPoint& point) const;
 };
 
+// Whether the points are of many pairs of shapes.
+bool is_crowd(const std::vector<ContactPoint>& points);
+
 class ContactRules {
  public:
   static constexpr double steps_per_contact = 32;    // of the duration of an impact
@@ -52,7 +55,8 @@ class ContactRules {
   // Notes whether points of many pairs are in contact at the begin of the step. Only then may impacts begin
   // and end within steps, of materials that lose half of the energy: those of few bodies are cut, each at its
   // instant.
-  void look_at(const std::vector<ContactPoint>& points);
+  // `crowded`: they are, in the whole scene.
+  void look_at(const std::vector<ContactPoint>& points, bool crowded);
   bool crowded() const { return crowded_; }
   // Longest step within which an impact of these shapes at that rate may begin and end: it moves the body by
   // less than the least that it may weigh there would do for a small part of the impact. 0: none [s].

@@ -426,6 +426,19 @@ bool GeneralizedAlpha::correct(System& system, State& state, double h, Trust tru
   return false;
 }
 
+void GeneralizedAlpha::count(const StepCounters& before, const StepCounters& after,
+                             const ShortenedSteps& shortened) {
+  counters_.steps += after.steps - before.steps;
+  counters_.newton_iterations += after.newton_iterations - before.newton_iterations;
+  counters_.factorisations += after.factorisations - before.factorisations;
+  counters_.rejected += after.rejected - before.rejected;
+  if (shortened.count == 0) return;
+  if (shortened_.count == 0) shortened_ = {0, 0, shortened.first_time, shortened.shortest, shortened.worst};
+  shortened_.count += shortened.count;
+  shortened_.doubtful += shortened.doubtful;
+  shortened_.shortest = std::min(shortened_.shortest, shortened.shortest);
+}
+
 void GeneralizedAlpha::give_up(const System& system, double h) const {
   const std::string obstacle = system.obstacle();
   const std::string at = fmt::format("at t = {:.9g} s with a step of {:.3g} s", last_time_, h);

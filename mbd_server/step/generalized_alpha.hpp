@@ -91,6 +91,9 @@ class GeneralizedAlpha final : public ControlledMethod {
   std::optional<double> error_of_parts() const { return error_of_parts_; }
   // The sizes of these errors, coordinate by coordinate (freedoms) [rad or m].
   const VectorXd& errors_of_parts() const { return errors_of_parts_; }
+  // Adds what the method of a part of the machine has counted from `before` to `after`, and its steps in
+  // parts.
+  void count(const StepCounters& before, const StepCounters& after, const ShortenedSteps& shortened);
   const GeneralizedAlphaConstants& constants() const { return c_; }
   // Whether the last step took its algorithmic accelerations at the begin from itself.
   bool began_afresh() const { return afresh_; }

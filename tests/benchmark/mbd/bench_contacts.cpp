@@ -5,12 +5,17 @@
 // TOPOLOGY is pairs (two boxes on each other, many such pairs beside each other on a floor), wall (boxes in
 // bond, as high as wide), pile (boxes in bond in both directions, as high as wide) or heap (turned boxes and
 // balls that fall 1 cm in a box of planes, as high as wide). They settle for 0.3 s, a heap for 0.6 s, and are
-// then measured over STEPS windows of 1 ms. Prints a row: topology, bodies, points in contact, steps,
-// us per step, us per step and point, Newton iterations per step.
+// then measured over STEPS windows of 1 ms. Prints a row: topology, bodies, points in contact, windows,
+// us per window, us per window and point, Newton iterations per window, of all islands together.
+//
+// A well is turned boxes that fall into a well of planes, as high as wide: it is measured from the start over
+// STEPS windows of 2 ms, with a row for each 50 of them. The time is the mean of the windows there, else the
+// median.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,6 +92,18 @@ scene::Scene made(const std::string& topology, int bodies) {
         b.add(at, {inertia, inertia, inertia}, scene::SphereShape{0.08});
       b.scene.mbd->bodies.back().pose.q_WB = exp(Vec3d{std::sin(i), std::sin(3 * i), std::sin(7 * i)});
     }
+  } else if (topology == "well") {
+    const int wide = static_cast<int>(std::ceil(std::cbrt(bodies)));
+    const double room = 0.178, half = 0.5 * room * wide;
+    b.scene.contact->materials[0].stiffness = 1e5;
+    b.add_plane("left", {-half, 0, 0}, {1, 0, 0}), b.add_plane("right", {half, 0, 0}, {-1, 0, 0});
+    b.add_plane("front", {0, -half, 0}, {0, 1, 0}), b.add_plane("back", {0, half, 0}, {0, -1, 0});
+    for (int i = 0; i < bodies; ++i) {
+      b.add({room * (i % wide + 0.5) - half, room * (i / wide % wide + 0.5) - half,
+             room * (i / (wide * wide)) + 0.095},
+            {0.1, 0.1, 0.1});
+      b.scene.mbd->bodies.back().pose.q_WB = exp(Vec3d{std::sin(i), std::sin(3 * i), std::sin(7 * i)});
+    }
   } else {
     const int wide = static_cast<int>(std::ceil(std::cbrt(bodies)));
     for (int i = 0; i < bodies; ++i) {
@@ -94,7 +111,7 @@ scene::Scene made(const std::string& topology, int bodies) {
       b.add({pitch * (i % wide + 0.5 * (k % 2)), pitch * (i / wide % wide + 0.5 * (k % 2)), layer(k)}, size);
     }
   }
-  b.scene.coupling.window = 1e-3;
+  b.scene.coupling.window = topology == "well" ? 2e-3 : 1e-3;
   return b.scene;
 }
 
@@ -109,31 +126,38 @@ int main(int count, char** arguments) {
   const int bodies = std::atoi(arguments[2]), steps = std::atoi(arguments[3]);
   mbd::MbdSolver solver;
   solver.configure(mbd::made(topology, bodies));
-  const double settle = topology == "heap" ? 0.6 : 0.3;
+  const bool falls = topology == "well";
+  const std::int64_t window = falls ? 2000000 : 1000000;  // [ns]
   std::uint64_t done = 0;
-  const auto advance = [&](int windows) {
+  const auto advance = [&] {
+    const auto begin = static_cast<std::int64_t>(done) * window;
     protocol::LoadSet loads;
-    for (int i = 0; i < windows; ++i, ++done) {
-      loads.window = {
-          done, {static_cast<std::int64_t>(done) * 1000000}, {static_cast<std::int64_t>(done + 1) * 1000000}};
-      solver.advance(loads);
-    }
+    loads.window = {done++, {begin}, {begin + window}};
+    solver.advance(loads);
   };
-  advance(static_cast<int>(settle / 1e-3));
-  const auto facts = [&] { return nlohmann::json::parse(solver.report().facts); };
-  const auto before = facts();
-  std::vector<double> times;
-  for (int i = 0; i < steps; ++i) {
-    const double begin = cpu_seconds(CpuClock::thread);
-    advance(1);
-    times.push_back(cpu_seconds(CpuClock::thread) - begin);
+  const auto iterations = [&] {
+    return nlohmann::json::parse(solver.report().facts)["mbd_newton_iterations"].get<double>();
+  };
+  const auto measure = [&](int windows) {
+    const double before = iterations();
+    std::vector<double> times;
+    for (int i = 0; i < windows; ++i) {
+      const double begin = cpu_seconds(CpuClock::thread);
+      advance();
+      times.push_back(cpu_seconds(CpuClock::thread) - begin);
+    }
+    const double sum = std::accumulate(times.begin(), times.end(), 0.0);
+    std::nth_element(times.begin(), times.begin() + windows / 2, times.end());
+    const double us = 1e6 * (falls ? sum / windows : times[static_cast<std::size_t>(windows / 2)]);
+    const auto points = static_cast<double>(solver.state().contacts.size());
+    std::printf("%s,%d,%.0f,%d,%.1f,%.3f,%.2f\n", topology.c_str(), bodies, points, windows, us,
+                points > 0 ? us / points : 0, (iterations() - before) / windows);
+    std::fflush(stdout);
+  };
+  if (falls) {
+    for (int left = steps; left > 0; left -= 50) measure(std::min(left, 50));
+    return 0;
   }
-  const auto after = facts();
-  std::nth_element(times.begin(), times.begin() + steps / 2, times.end());
-  const double taken = after["mbd_steps"].get<double>() - before["mbd_steps"].get<double>();
-  const auto points = static_cast<double>(solver.state().contacts.size());
-  const double us = 1e6 * times[static_cast<std::size_t>(steps / 2)] * steps / taken;
-  std::printf(
-      "%s,%d,%.0f,%.1f,%.1f,%.3f,%.2f\n", topology.c_str(), bodies, points, taken, us, us / points,
-      (after["mbd_newton_iterations"].get<double>() - before["mbd_newton_iterations"].get<double>()) / taken);
+  for (int i = 0; i < (topology == "heap" ? 600 : 300); ++i) advance();
+  measure(steps);
 }
