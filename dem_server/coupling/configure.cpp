@@ -121,7 +121,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   sensors_ = Sensors(scene_, with_walls, plan_wall_rows(scene_, surface_).of_sensor);
   memory_.sensors = sensors_.nothing_seen();
 
-  if (ranks_ != nullptr) expect_ranks(spheres_ - spheres.waiting);
+  if (ranks_ != nullptr) expect_ranks();
   choice_ = choose_engine(scene_, ranks_ != nullptr ? Backend::cpu : choose_backend(configuration.backend));
   if (!fixed.empty())
     choice_.left_out.push_back(
@@ -182,7 +182,7 @@ std::string Solver::precision_name() const {
 }
 
 // Error{usage} where ranks cannot compute this scene, or would only wait for each other.
-void Solver::expect_ranks(std::size_t present) const {
+void Solver::expect_ranks() const {
   const auto refuse = [](const std::string& problem, const std::string& remedy) {
     throw Error(ErrorCode::usage, problem, "--ranks", remedy);
   };
@@ -192,9 +192,9 @@ void Solver::expect_ranks(std::size_t present) const {
     refuse("several ranks do not send the contacts of spheres yet",
            "leave --ranks out, or output.contacts and the output.fields of contacts");
   constexpr std::size_t fewest = 100;  // spheres of a rank
-  const std::size_t most = present / fewest;
+  const std::size_t most = spheres_ / fewest;
   if (ranks_->size() > std::max<std::size_t>(1, most))
-    refuse(fmt::format("{} spheres at the start are too few for {} ranks", present, ranks_->size()),
+    refuse(fmt::format("{} spheres are too few for {} ranks", spheres_, ranks_->size()),
            most > 1 ? fmt::format("use at most {}, {} spheres each", most, fewest)
                     : "leave --ranks out: one process is faster");
 }

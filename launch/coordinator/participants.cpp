@@ -304,7 +304,7 @@ std::string Participants::last_words(Role role) const {
   };
   std::string line, last;
   while (std::getline(file, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos && !is_of_another(line) &&
+    if (line.find_first_not_of(" \t\r-") != std::string::npos && !is_of_another(line) &&
         line != "Run with --help for more information.")
       last = line;
   return printable(shortened(last, 300));

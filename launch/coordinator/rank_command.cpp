@@ -63,10 +63,15 @@ Command start_of_ranks(unsigned ranks, const std::vector<std::string>& arguments
   command.program = mpirun;
   // The ranks wait for each other in each micro step: where they share cores, a waiting one must yield.
   // Their threads use all cores that the run may use, not one each.
-  command.arguments = {"-n", std::to_string(ranks), "--oversubscribe", "--bind-to", "none", "--quiet",
-                       "--mca", "mpi_yield_when_idle", "1",
-                       // One host: no network. Copies between processes need a right that containers lack.
-                       "--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism", "none"};
+  command.arguments = {"-n", std::to_string(ranks), "--oversubscribe", "--bind-to", "none"};
+  const auto set = [&](const char* parameter, const char* value) {
+    command.arguments.insert(command.arguments.end(), {"--mca", parameter, value});
+  };
+  set("mpi_yield_when_idle", "1");
+  // One host: no network. Copies between processes need a right that containers lack.
+  set("btl", "self,vader");
+  set("btl_vader_single_copy_mechanism", "none");
+  set("odls_base_sigkill_timeout", "0");  // where one rank has died, the others end at once
   if (geteuid() == 0) command.arguments.push_back("--allow-run-as-root");
   command.arguments.push_back((program_folder() / program_of_ranks).string());
   command.arguments.insert(command.arguments.end(), arguments.begin(), arguments.end());

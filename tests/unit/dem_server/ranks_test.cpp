@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/boulder.hpp"
@@ -21,6 +22,7 @@ constexpr double dt = 2e-5;  // [s]
 struct Result {
   std::string hash;
   std::vector<double> values;
+  std::vector<double> frame;                           // on rank 0
   std::uint64_t rebuilds = 0, contacts = 0, lost = 0;  // contacts: the most after a window
 
   void add(const Vec3d& v) { values.insert(values.end(), {v.x, v.y, v.z}); }
@@ -60,16 +62,16 @@ Result result_of(const Case& c, particles::Ranks* ranks) {
   return result;
 }
 
-// `most_ranks` from 2 on.
-Result expect_same_bits(const Case& c, unsigned most_ranks = 4) {
+Result expect_same_bits(const Case& c, const std::vector<unsigned>& sizes = {2, 3}) {
   const Result one = result_of(c, nullptr);
   EXPECT_GE(one.rebuilds, 3u);
   EXPECT_GT(one.contacts, 0u);
-  for (unsigned size = 1; size <= most_ranks; ++size)
+  for (const unsigned size : sizes)
     on_ranks(size, [&](ThreadRanks& ranks) {
       const Result found = result_of(c, &ranks);
       if (ranks.rank() == 0) {
         EXPECT_EQ(found.hash, one.hash) << size << " ranks";
+        EXPECT_EQ(found.frame, one.frame) << size << " ranks";
       }
       EXPECT_EQ(found.values, one.values) << "rank " << ranks.rank() << " of " << size;
       EXPECT_EQ(found.rebuilds, one.rebuilds);
@@ -96,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& law) { return std::string(law.param.name); });
 
 TEST_P(LawOverRanks, GivesTheBitsOfOneProcess) {
-  expect_same_bits({falling_spheres(GetParam().contact, GetParam().options)});
+  expect_same_bits({falling_spheres(GetParam().contact, GetParam().options), 5, 400}, {2, 4});
 }
 
 TEST(Ranks, OfABoulderAmongSmallSpheres) {
@@ -111,7 +113,7 @@ TEST(Ranks, AcrossPeriodicFaces) {
 
 TEST(Ranks, MoreThanBlocksOfCells) {
   // Most ranks have no sphere.
-  expect_same_bits({falling_spheres("hertz_mindlin", "", 20), 10, 400}, 7);
+  expect_same_bits({falling_spheres("hertz_mindlin", "", 20), 10, 200}, {1, 7});
 }
 
 TEST(Ranks, RestoredContinueToTheSameBits) {
@@ -121,7 +123,88 @@ TEST(Ranks, RestoredContinueToTheSameBits) {
     if (window == 4) run.engine->save();
     if (window == 7) run.engine->restore();
   };
-  expect_same_bits(c, 3);
+  expect_same_bits(c, {3});
+}
+
+// Spheres that leave through an outlet, and later come in at the top, where other ranks have their cells.
+TEST(Ranks, WithSpheresThatGoOutAndComeIn) {
+  Case c{falling_spheres("hertz_mindlin"), 12, 300, [](particles::Spheres& s) { s.waiting = 40; }};
+  c.between = [](ParticleRun& run, int window, Result& result) {
+    if (window == 6)
+      result.values.push_back(
+          static_cast<double>(run.engine->remove({{-0.3, -0.3, -0.1}, {0.0, 0.3, 0.8}, {}, false})));
+    if (window < 3 || window > 10) return;
+    std::vector<dem::Arrival> arrivals;
+    const auto first =
+        static_cast<std::uint32_t>(run.spheres.size() - run.spheres.waiting) + 5u * (window - 3);
+    for (std::uint32_t k = 0; k < 5; ++k)
+      arrivals.push_back(
+          {first + k, {{-0.08 + 0.03 * k, 0.01 * window, 0.5}, run.spheres.radius[first + k]}, {0, 0, -2}});
+    std::vector<particles::BodyPose> poses(run.surface.boundary_bodies.size());
+    std::vector<dem::Ball> balls{{{0, 0, 0.1}, 0.02}, {{0.05, 0.05, 0.7}, 0.01}};
+    for (const dem::Arrival& a : arrivals) balls.push_back(a.ball);
+    for (const std::uint8_t taken : run.engine->find_overlapping(balls, poses))
+      result.values.push_back(taken);
+    run.engine->insert(arrivals);
+  };
+  expect_same_bits(c);
+}
+
+TEST(Ranks, WithSpheresThatLeaveTheDomain) {
+  std::string json = falling_spheres("hertz_mindlin");
+  const std::string domain = R"("min": [-0.3, -0.3, -0.1])";
+  json.replace(json.find(domain), domain.size(), R"("min": [-0.3, -0.3, 0.045])");
+  EXPECT_GT(expect_same_bits({json, 10, 400}).lost, 10u);
+}
+
+TEST(Ranks, MeasureRegions) {
+  Case c{falling_spheres("hertz_mindlin")};
+  c.between = [](ParticleRun& run, int, Result& result) {
+    const dem::MeasuredRegion region{{0, 0, 0.2}, {}, {0.1, 0.08, 0.15}, false, {0, 0, 1}, {}};
+    for (const dem::RegionSums& sums : run.engine->measure({&region, 1})) {
+      result.add(sums.moment), result.add(sums.momentum);
+      result.values.insert(result.values.end(), {static_cast<double>(sums.count), sums.mass, sums.volume,
+                                                 sums.kinetic_energy, sums.flow_momentum});
+    }
+  };
+  expect_same_bits(c, {3});
+}
+
+TEST(Ranks, KeepASnapshot) {
+  Case c{falling_spheres("hertz_mindlin")};
+  c.between = [](ParticleRun& run, int window, Result& result) {
+    static thread_local dem::SphereFrame frame;
+    if (window == 3) run.engine->snapshot();
+    if (window == 5) {
+      run.engine->read_snapshot(frame);
+      // The frame is on rank 0; the others compare nothing of it.
+      if (!frame.id.empty()) result.frame.assign(frame.position.begin(), frame.position.end());
+    }
+  };
+  expect_same_bits(c, {3});
+}
+
+// A fault on one rank is found on all of them, with the name of the sphere.
+TEST(Ranks, EndTogetherWhereASphereIsTooFast) {
+  for (const unsigned size : {1u, 3u}) {
+    std::atomic<unsigned> found = 0;
+    on_ranks(size, [&](ThreadRanks& ranks) {
+      ParticleRun run(
+          falling_spheres("hertz_mindlin"), Backend::cpu, 1,
+          [](particles::Spheres& s) {
+            s.velocity[40] = {0, 0, 1e9};
+          },
+          {}, size > 1 ? &ranks : nullptr);
+      try {
+        run.advance(10, dt);
+      } catch (const dem::SphereError& error) {
+        const std::size_t expected = ranks.rank() == 0 || size == 1 ? run.spheres.size() : 0;
+        EXPECT_EQ(error.before.size(), expected);
+        found += error.id == 40 ? 1 : 0;
+      }
+    });
+    EXPECT_EQ(found, size);
+  }
 }
 
 }  // namespace
