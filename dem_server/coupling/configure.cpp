@@ -191,7 +191,7 @@ void Solver::expect_ranks() const {
   if (scene_.output.evaluates_contacts())
     refuse("several ranks do not send the contacts of spheres yet",
            "leave --ranks out, or output.contacts and the output.fields of contacts");
-  constexpr std::size_t fewest = 100;  // spheres of a rank
+  constexpr std::size_t fewest = 50;  // spheres of a rank
   const std::size_t most = spheres_ / fewest;
   if (ranks_->size() > std::max<std::size_t>(1, most))
     refuse(fmt::format("{} spheres are too few for {} ranks", spheres_, ranks_->size()),
