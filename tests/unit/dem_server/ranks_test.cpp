@@ -3,13 +3,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <nlohmann/json.hpp>
 
+#include "dem_server/coupling/ranked_solver.hpp"
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/boulder.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
 #include "tests/support/periodic_scene.hpp"
+#include "tests/support/solver_run.hpp"
 #include "tests/support/thread_ranks.hpp"
+#include "tests/support/tool_scene.hpp"
 
 namespace tandem::test {
 namespace {
@@ -205,6 +209,83 @@ TEST(Ranks, EndTogetherWhereASphereIsTooFast) {
     });
     EXPECT_EQ(found, size);
   }
+}
+
+TEST(Ranks, SumWhatActsOnWalls) {
+  nlohmann::json scene = nlohmann::json::parse(falling_spheres("hertz_mindlin"));
+  for (const char* wall : {"box", "plate", "floor"})
+    scene["dem"]["sensors"].push_back({{"name", wall}, {"wall", wall}});
+  scene["output"]["wall_fields"] = {"plate", "box"};
+  Case c{scene.dump()};
+  c.between = [](ParticleRun& run, int, Result& result) {
+    const std::vector<double>& fields = run.engine->wall_fields();
+    result.values.insert(result.values.end(), fields.begin(), fields.end());
+  };
+  expect_same_bits(c, {3});
+}
+
+// A domain that follows a tool, with an inlet and an outlet. The tool cuts through the spheres.
+nlohmann::json rain_on_a_tool() {
+  const nlohmann::json rain = {
+      {"name", "rain"},
+      {"material", "m"},
+      {"radius", {0.008, 0.012}},
+      {"fill", {{"type", "inlet"}, {"min", {0.3, 0, 0.2}}, {"max", {0.5, 0.1, 0.3}}, {"rate", 800}}}};
+  nlohmann::json scene =
+      tool_scene({{"outlets",
+                   {{{"name", "drain"},
+                     {"region", {{"type", "plane"}, {"point", {0.1, 0, 0}}, {"normal", {-1, 0, 0}}}}}}},
+                  {"domain", {{"min", {-0.2, -1, -0.01}}, {"max", {1.5, 1, 1}}, {"follows", "tool"}}}});
+  scene["dem"]["particles"].push_back(rain);
+  scene["mbd"]["bodies"][0]["position"] = {0.4, 0.05, 0.15};
+  return scene;
+}
+
+// What the coordinator sees of such a run, with windows taken back.
+std::vector<double> seen_of(std::unique_ptr<protocol::LoadSolver> solver, std::string& hash) {
+  SolverRun run(rain_on_a_tool(), "tool.json", 1, "cpu", std::move(solver));
+  std::vector<double> seen;
+  double stiffest = 0;  // along z
+  const auto advance = [&] {
+    const auto pose = [](Nanoseconds t) {
+      return Pose{Vec3d{0.4 + to_seconds(t), 0.05, 0.15 - 0.8 * to_seconds(t)},
+                  exp({0, 0, 3 * to_seconds(t)})};
+    };
+    protocol::BodyMotion tool;
+    tool.begin_pose = pose(run.now), tool.end_pose = pose(run.now + SolverRun::window);
+    tool.begin_twist = tool.end_twist = {{1, 0, -0.8}, {0, 0, 3}};
+    run.advance_window({tool});
+    seen.insert(seen.end(), {run.open.x, run.open.y, run.open.z, run.exchanged});
+    for (const protocol::BodyTangent& body : run.solver->linearise().bodies) {
+      seen.insert(seen.end(), body.stiffness.begin(), body.stiffness.end());
+      stiffest = std::max(stiffest, body.stiffness[14]);
+    }
+  };
+  for (int w = 0; w < 60; ++w) advance();
+  run.solver->save();
+  const Nanoseconds then = run.now;
+  for (int w = 0; w < 30; ++w) advance();
+  run.solver->restore();
+  run.now = then;
+  for (int w = 0; w < 60; ++w) advance();
+  run.solver->snapshot();
+  const protocol::ParticlesFrame& frame = run.solver->read_snapshot();
+  seen.insert(seen.end(), frame.position.begin(), frame.position.end());
+  hash = run.hash();
+  EXPECT_GT(stiffest, 0) << "the tool touches spheres";
+  return seen;
+}
+
+TEST(RankedSolver, IsOneParticipantWithTheSameBits) {
+  std::string hash;
+  const std::vector<double> expected = seen_of(dem::make_solver(), hash);
+  on_ranks(3, [&](ThreadRanks& ranks) {
+    if (ranks.rank() > 0) return dem::follow(ranks, *dem::make_solver_of_rank(ranks));
+    std::string found;
+    EXPECT_EQ(seen_of(std::make_unique<dem::LeadingSolver>(ranks, dem::make_solver_of_rank(ranks)), found),
+              expected);
+    EXPECT_EQ(found, hash);
+  });
 }
 
 }  // namespace
