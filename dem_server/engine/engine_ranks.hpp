@@ -31,7 +31,7 @@ CellShares EngineOf<Exec, Law, Real>::balanced_shares() const {
   for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i)
     if (!is_parked(view_.spheres.position[side][i])) ++spheres[cell_of(i) / per_block];
   ranks_->sum(spheres);
-  return {spheres, ranks_->size()};
+  return {spheres, ranks_->weights()};
 }
 
 // Calls f(rank) for each rank that moves sphere i or may have a neighbour of it.

@@ -28,16 +28,21 @@ class CellShares {
   static constexpr std::uint32_t cells_per_block = 64;  // see CellGrid
 
   CellShares() = default;
-  // `spheres`: number in each block of cells. Each rank gets about the same number of spheres.
-  CellShares(const std::vector<std::int64_t>& spheres, unsigned ranks) : first_{0} {
-    const std::int64_t all = std::accumulate(spheres.begin(), spheres.end(), std::int64_t{0});
-    std::int64_t before = 0;
+  // `spheres`: number in each block of cells. A rank gets about its share of them, see Ranks::weights().
+  CellShares(const std::vector<std::int64_t>& spheres, const std::vector<std::int64_t>& weights) : first_{0} {
+    const auto sum = [](const std::vector<std::int64_t>& values) {
+      return std::accumulate(values.begin(), values.end(), std::int64_t{0});
+    };
+    const std::int64_t all = sum(spheres), weight = sum(weights);
+    std::int64_t before = 0, weight_before = weights.front();
     for (std::size_t block = 0; block < spheres.size(); ++block) {
-      while (first_.size() < ranks && before * ranks >= all * static_cast<std::int64_t>(first_.size()))
+      while (first_.size() < weights.size() && before * weight >= all * weight_before) {
+        weight_before += weights[first_.size()];
         first_.push_back(static_cast<std::uint32_t>(block) * cells_per_block);
+      }
       before += spheres[block];
     }
-    first_.resize(ranks + std::size_t{1}, static_cast<std::uint32_t>(spheres.size()) * cells_per_block);
+    first_.resize(weights.size() + 1, static_cast<std::uint32_t>(spheres.size()) * cells_per_block);
   }
 
   Range of(unsigned rank) const { return {first_[rank], first_[rank + 1]}; }

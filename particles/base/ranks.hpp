@@ -21,6 +21,9 @@ class Ranks {
   virtual ~Ranks() = default;
   virtual unsigned rank() const = 0;
   virtual unsigned size() const = 0;
+  // Each rank gets a share of the particles in proportion to its weight, from the next rebuild on. All ranks
+  // give the same.
+  virtual std::vector<std::int64_t> weights() const { return std::vector<std::int64_t>(size(), 1); }
 
   // Sends to[r] to each rank r, this one included. Returns what each of them has sent to this one.
   virtual std::vector<Bytes> exchange(const std::vector<Bytes>& to) = 0;

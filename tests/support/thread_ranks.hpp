@@ -25,6 +25,10 @@ class ThreadRanks final : public particles::Ranks {
 
   unsigned rank() const override { return rank_; }
   unsigned size() const override { return static_cast<unsigned>(team_.posted.size()); }
+  std::vector<std::int64_t> weights() const override {
+    return weights_.empty() ? Ranks::weights() : weights_;
+  }
+  void set_weights(const std::vector<std::int64_t>& weights) { weights_ = weights; }
   std::vector<Bytes> exchange(const std::vector<Bytes>& to) override {
     team_.posted[rank_] = to;
     team_.barrier.arrive_and_wait();
@@ -71,6 +75,7 @@ class ThreadRanks final : public particles::Ranks {
 
   unsigned rank_;
   Team& team_;
+  std::vector<std::int64_t> weights_;  // empty: equal ones
 };
 
 // Runs work(ranks) on so many ranks.

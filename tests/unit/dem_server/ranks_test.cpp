@@ -7,6 +7,7 @@
 
 #include "dem_server/coupling/ranked_solver.hpp"
 #include "dem_server/coupling/state_hash.hpp"
+#include "dem_server/engine/rank_share.hpp"
 #include "tests/support/boulder.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
@@ -53,13 +54,16 @@ struct Case {
   void (*change)(particles::Spheres&) = [](particles::Spheres&) {};
   // Between two windows, on all ranks.
   void (*between)(ParticleRun&, int window, Result&) = [](ParticleRun&, int, Result&) {};
+  std::vector<std::vector<std::int64_t>> weights = {};  // of the ranks, window after window
 };
 
-Result result_of(const Case& c, particles::Ranks* ranks) {
+Result result_of(const Case& c, ThreadRanks* ranks) {
   ParticleRun run(c.json, Backend::cpu, 1, c.change, {}, ranks);
   Result result;
   for (int w = 0; w < c.windows; ++w) {
     c.between(run, w, result);
+    if (ranks != nullptr && !c.weights.empty())
+      ranks->set_weights(c.weights[static_cast<std::size_t>(w) % c.weights.size()]);
     result.add(run.advance(c.steps, dt));
   }
   result.hash = dem::state_hash(run.state());
@@ -120,6 +124,35 @@ TEST(Ranks, MoreThanBlocksOfCells) {
   expect_same_bits({falling_spheres("hertz_mindlin", "", 20), 10, 200}, {1, 7});
 }
 
+TEST(Ranks, WithUnevenSharesThatChange) {
+  Case c{falling_spheres("hertz_mindlin"), 8, 400};
+  c.weights = {{1, 1, 1}, {10, 1, 1}, {1, 0, 5}, {0, 0, 1}, {3, 20, 1}};
+  expect_same_bits(c, {3});
+}
+
+TEST(CellShares, AreInProportionToTheWeights) {
+  const std::vector<std::int64_t> spheres(100, 12);  // in each block
+  const auto blocks = [&](const std::vector<std::int64_t>& weights) {
+    const dem::CellShares shares(spheres, weights);
+    std::vector<std::uint32_t> found;
+    for (unsigned rank = 0; rank < weights.size(); ++rank) {
+      const particles::Range cells = shares.of(rank);
+      found.push_back((cells.end - cells.begin) / dem::CellShares::cells_per_block);
+      if (cells.begin < cells.end) {
+        EXPECT_EQ(shares.owner(cells.begin), rank);
+        EXPECT_EQ(shares.owner(cells.end - 1), rank);
+      }
+    }
+    return found;
+  };
+  using Blocks = std::vector<std::uint32_t>;
+  EXPECT_EQ(blocks({1}), Blocks{100});
+  EXPECT_EQ(blocks({1, 1, 1, 1}), (Blocks{25, 25, 25, 25}));
+  EXPECT_EQ(blocks({1, 3}), (Blocks{25, 75}));
+  EXPECT_EQ(blocks({1, 0, 1}), (Blocks{50, 0, 50}));
+  EXPECT_EQ(blocks({0, 1}), (Blocks{0, 100}));
+}
+
 TEST(Ranks, RestoredContinueToTheSameBits) {
   Case c{falling_spheres("hertz_mindlin")};
   c.windows = 9;
@@ -132,7 +165,7 @@ TEST(Ranks, RestoredContinueToTheSameBits) {
 
 // Spheres that leave through an outlet, and later come in at the top, where other ranks have their cells.
 TEST(Ranks, WithSpheresThatGoOutAndComeIn) {
-  Case c{falling_spheres("hertz_mindlin"), 12, 300, [](particles::Spheres& s) { s.waiting = 40; }};
+  Case c{falling_spheres("hertz_mindlin"), 12, 150, [](particles::Spheres& s) { s.waiting = 40; }};
   c.between = [](ParticleRun& run, int window, Result& result) {
     if (window == 6)
       result.values.push_back(
