@@ -336,8 +336,8 @@ void EngineOf<Exec, Law, Real>::combine_window(WindowProgress& window, std::uint
   window.used = share_.all;
 }
 
-// Keeps the values of the own spheres, and appends those of the other ranks on rank 0; on others nothing
-// stays.
+// Replaces the values of all indices here by those of the own spheres of all ranks on rank 0, and by none on
+// the others.
 template <BackEnd Exec, class Law, class Real>
 template <class T>
 void EngineOf<Exec, Law, Real>::gather_at_first(std::vector<T>& of_index) const {
