@@ -1,5 +1,6 @@
 # `cmake --install build/PRESET --prefix DIR` makes one folder that can be moved and copied:
-#   bin/    tandem, mbd_server, dem_server, sph_server; tandem_step, which needs the machine's own OpenCASCADE
+#   bin/    tandem, mbd_server, dem_server, sph_server; tandem_step, which needs the machine's own OpenCASCADE;
+#           dem_server_mpi, which needs the machine's own OpenMPI
 #   lib/    libtandem_participant, and cmake/tandem for find_package(tandem) (participant/CMakeLists.txt)
 #   lib/tandem/  every shared library that they need, except glibc: a machine with the same or a newer glibc runs them; also
 #           the plug-ins of Cyclone DDS for DDS Security, which it opens by name (protocol/dds/certificates.cpp)

@@ -1,6 +1,7 @@
 # Switches of the build. AUTO means: used where it is found, and the configure log says which it was.
 set(TANDEM_CUDA AUTO CACHE STRING "CUDA back end of dem_server: AUTO, ON or OFF")
 set(TANDEM_DDS AUTO CACHE STRING "Cyclone DDS channel: AUTO, ON or OFF")
+set(TANDEM_MPI AUTO CACHE STRING "Several ranks of dem_server, by MPI: AUTO, ON or OFF")
 set(TANDEM_STEP AUTO CACHE STRING "Reader of STEP files, by OpenCASCADE: AUTO, ON or OFF")
 set(TANDEM_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 option(TANDEM_ASSERTIONS "Keep assert() in optimised builds" OFF)

@@ -121,12 +121,14 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   sensors_ = Sensors(scene_, with_walls, plan_wall_rows(scene_, surface_).of_sensor);
   memory_.sensors = sensors_.nothing_seen();
 
-  choice_ = choose_engine(scene_, choose_backend(configuration.backend));
+  if (ranks_ != nullptr) expect_ranks();
+  choice_ = choose_engine(scene_, ranks_ != nullptr ? Backend::cpu : choose_backend(configuration.backend));
   if (!fixed.empty())
     choice_.left_out.push_back(
         fmt::format("spheres that never move: {} fixed ones are walls of the ground", fixed.size()));
   EngineSetup setup{scene_, surface_, spheres, skins, configuration.threads};
   setup.steps = static_cast<std::uint32_t>(steps_in(longest_window()));
+  setup.ranks = ranks_;
   const std::size_t predicted = check_memory(setup, levels.cells() * sizeof(std::uint32_t));
   engine_ = make_engine(choice_, setup);
   if (const double limit = engine_->speed_limit(step_taken()); limit < largest_speed)
@@ -152,6 +154,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   facts.warnings = warnings_;  // also here, since a run that fails requests no report
   facts.predicted_memory = static_cast<double>(predicted) / 1e6;
   nlohmann::ordered_json others;
+  if (ranks_ != nullptr) others["ranks"] = ranks_->size();
   if (scene_.dem->relax_start)
     others["start_relaxation"] = {{"moved", relaxed.moved},
                                   {"largest_move_m", relaxed.largest_move},
@@ -176,6 +179,24 @@ std::vector<double> Solver::measure_at_start() {
 
 std::string Solver::precision_name() const {
   return scene_.dem->precision == scene::Precision::mixed ? "mixed" : "double";
+}
+
+// Error{usage} where ranks cannot compute this scene, or would only wait for each other.
+void Solver::expect_ranks() const {
+  const auto refuse = [](const std::string& problem, const std::string& remedy) {
+    throw Error(ErrorCode::usage, problem, "--ranks", remedy);
+  };
+  if (scene_.output.dissipation)
+    refuse("several ranks do not sum the dissipated energy yet", "leave --ranks out, or output.dissipation");
+  if (scene_.output.evaluates_contacts())
+    refuse("several ranks do not send the contacts of spheres yet",
+           "leave --ranks out, or output.contacts and the output.fields of contacts");
+  constexpr std::size_t fewest = 50;  // spheres of a rank
+  const std::size_t most = spheres_ / fewest;
+  if (ranks_->size() > std::max<std::size_t>(1, most))
+    refuse(fmt::format("{} spheres are too few for {} ranks", spheres_, ranks_->size()),
+           most > 1 ? fmt::format("use at most {}, {} spheres each", most, fewest)
+                    : "leave --ranks out: one process is faster");
 }
 
 // Checks the memory of the engine before anything is allocated.

@@ -49,6 +49,10 @@ std::unique_ptr<protocol::LoadSolver> make_solver() {
   return std::make_unique<Solver>();
 }
 
+std::unique_ptr<protocol::LoadSolver> make_solver_of_rank(particles::Ranks& ranks) {
+  return std::make_unique<Solver>(&ranks);
+}
+
 double Solver::steps_in(double length) const {
   return std::ceil(length / largest_step_ * (1 - 1e-12));
 }

@@ -24,6 +24,9 @@ namespace tandem::dem {
 
 class Solver final : public protocol::LoadSolver {
  public:
+  // With `ranks`, one of several that execute the same orders.
+  explicit Solver(Ranks* ranks = nullptr) : ranks_(ranks) {}
+
   protocol::Configured configure(const protocol::Configuration& configuration) override;
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
   const protocol::TangentSet& linearise() override;
@@ -67,6 +70,7 @@ class Solver final : public protocol::LoadSolver {
   // The micro step in the longest window [s].
   double step_taken() const { return longest_window() / steps_in(longest_window()); }
   void expect_steps(const std::string& chosen_for, const std::string& remedy) const;
+  void expect_ranks() const;
   // `cells`: memory of the domain's cells [bytes]. Returns the memory of the engine [bytes].
   std::size_t check_memory(const EngineSetup& setup, std::size_t cells);
   void warn(const std::string& sentence);
@@ -84,6 +88,7 @@ class Solver final : public protocol::LoadSolver {
   void record_loads(const Window& window, const WindowOutcome& outcome);
   protocol::BodyLoad load_of(std::size_t body, double length, const WindowOutcome& outcome) const;
 
+  Ranks* ranks_;  // null: none
   scene::Scene scene_;
   Surface surface_;
   EngineChoice choice_;

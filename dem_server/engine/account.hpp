@@ -50,7 +50,7 @@ struct Account {
     const WindowProgress& c = *view.window;
     const std::uint32_t side = c.progress[0].state_side;
     const PositionRadius<Real> own = view.spheres.position[side][i];
-    if (is_parked(own)) return;
+    if (is_parked(own) || !view.spheres.owns(i)) return;
     const Vec3d v = view.velocity(side, i);
     const Inertia inertia =
         view.parameters.inertia(view.spheres.velocity[side][i].kind(), view.parameters.radius(own));

@@ -53,6 +53,7 @@ struct SphereBuffers {
   SphereArrays<Real> view(std::uint32_t n) {
     SphereArrays<Real> v;
     v.count = n;
+    v.owned = {0, n};
     for (int side = 0; side < 2; ++side) {
       v.position[side] = position[side].data();
       v.velocity[side] = velocity[side].data();

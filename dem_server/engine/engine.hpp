@@ -14,6 +14,7 @@
 #include "dem_server/engine/contact_tangent.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/base/backend.hpp"
+#include "particles/base/ranks.hpp"
 #include "particles/geometry/path.hpp"
 #include "particles/geometry/surface.hpp"
 #include "particles/grid/skin.hpp"
@@ -41,6 +42,7 @@ struct EngineSetup {
   std::size_t indices = 0;
   // Micro steps of the longest window; the loads of each step are stored.
   std::uint32_t steps = 1;
+  Ranks* ranks = nullptr;  // the others that compute these spheres; CPU only; null: none
 };
 
 struct WindowPlan {
@@ -158,6 +160,7 @@ struct BodyContact {
   Vec3d force;                         // of the sphere on the body [N]
 };
 
+// With ranks, all calls are collective. They return the same on all ranks, but spheres only on rank 0.
 class Engine {
  public:
   virtual ~Engine() = default;

@@ -1,20 +1,22 @@
 // The engine for one back end, law and precision: it owns the memory and runs the functors in this order:
 //
 //   advance: poses of all micro steps -> { rebuild lists when due; micro step } x steps -> totals
-//   rebuild: choose a skin -> wrap spheres that left through periodic faces -> sort into cells
-//            -> move spheres -> sort the spheres of coarser levels -> count -> offsets -> save histories
+//   rebuild: choose a skin -> wrap spheres that left through periodic faces
+//            -> with ranks: exchange spheres -> sort into cells -> move spheres -> sort the spheres of
+//            coarser levels -> count -> offsets -> save histories
 //            -> fill -> make current -> sort the single-buffered arrays
 //
 // Exec runs the loops over spheres (backend/concept.hpp). engine/engine_memory.hpp allocates the arrays.
 // engine/engine_spheres.hpp has the members for single spheres, engine/engine_tangents.hpp those for the
 // tangents of contacts with bodies, engine/engine_contacts.hpp those for the contacts of spheres in frames,
 // engine/engine_sums.hpp those for the sums of walls and of
-// dissipated energy.
+// dissipated energy, engine/engine_ranks.hpp those for several ranks.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -29,6 +31,7 @@
 #include "dem_server/engine/inflow_outflow.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
 #include "dem_server/engine/measure.hpp"
+#include "dem_server/engine/rank_share.hpp"
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/neighbours/sort_single_buffered.hpp"
 #include "dem_server/step/micro_step.hpp"
@@ -69,11 +72,13 @@ class EngineOf final : public Engine {
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
 
-  void upload_spheres(const Spheres& spheres);
+  void upload_spheres(const Spheres& spheres, Range share);
   void limit_speed(double dt);
   void begin_sums(std::uint32_t steps);
   void close_sums(const WindowPlan& plan);
   void make_room_to_come_in(std::uint32_t count);
+  void enlarge_spheres(std::uint32_t count);
+  std::uint32_t make_room_on_last_rank(std::uint32_t count);
   void shrink_spheres();
   void refresh_view();
   // Most scenes have one level of sizes; their kernels need no code for more.
@@ -83,6 +88,26 @@ class EngineOf final : public Engine {
                           : work.template operator()<Levels::one>();
   }
   void rebuild();
+  void list_neighbours();
+  CellShares balanced_shares() const;
+  template <class F>
+  void for_each_rank_near(std::uint32_t i, F f) const;
+  void redistribute();
+  void pack_sphere(std::uint32_t i, bool with_walls, Ranks::Bytes& bytes) const;
+  void unpack_spheres(const std::vector<Ranks::Bytes>& from);
+  void find_own_and_ghosts();
+  void connect_ghosts();
+  template <class T, class Get, class Set>
+  void swap_with_neighbours(Get get, Set set);
+  void swap_ghosts(std::uint32_t side);
+  void combine_step();
+  void finish_step();
+  std::uint32_t any_of_ranks(std::uint32_t bits);
+  void combine_window(WindowProgress& window, std::uint64_t lost);
+  template <class T>
+  std::vector<T> gathered(std::span<const T> own, bool on_all) const;
+  template <class T>
+  void gather_at_first(std::vector<T>& of_index) const;
   void build_first_lists(double dt);
   template <class Work>
   void with_lists(double dt, Work work);
@@ -122,6 +147,11 @@ class EngineOf final : public Engine {
   [[noreturn]] void fail(const WindowProgress& window);
 
   Exec exec_;
+  Ranks* ranks_;  // null: this process has all spheres
+  RankShare share_, saved_share_;
+  CellShares cell_shares_;     // of the present lists
+  double largest_radius_ = 0;  // with ranks [m]
+  std::vector<Ranks::Bytes> parcels_;
   scene::Box domain_;  // where it is at the start of the run
   View<Real> view_;
   Memory memory_;
@@ -145,6 +175,7 @@ class EngineOf final : public Engine {
   struct {
     Fetched fetched;
     Parameters<Real> parameters;  // the domain may have moved on since
+    SphereFrame gathered;         // with ranks, instead of the above
   } snapshot_;
   struct {
     Buffer<std::int64_t> totals;  // (regions x region_total_count)
@@ -167,6 +198,23 @@ class EngineOf final : public Engine {
   } inflow_;
 };
 
+// The spheres of a rank before the first lists are built.
+inline Range share_at_start(const EngineSetup& setup) {
+  const std::size_t present = setup.spheres.size() - setup.spheres.waiting;
+  if (setup.ranks == nullptr) return {0, static_cast<std::uint32_t>(present)};
+  const auto begin_of = [&](unsigned rank) {
+    return static_cast<std::uint32_t>(present * rank / setup.ranks->size());
+  };
+  return {begin_of(setup.ranks->rank()), begin_of(setup.ranks->rank() + 1)};
+}
+
+// With room for the spheres of this rank only.
+inline EngineSetup setup_of_rank(EngineSetup setup) {
+  const Range share = share_at_start(setup);
+  if (setup.ranks != nullptr) setup.indices = std::max(1u, share.end - share.begin);
+  return setup;
+}
+
 template <class Real>
 View<Real> first_view(const EngineSetup& setup) {
   View<Real> view;
@@ -178,9 +226,10 @@ View<Real> first_view(const EngineSetup& setup) {
 template <BackEnd Exec, class Law, class Real>
 EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
+      ranks_(setup.ranks),
       domain_(setup.scene.dem->domain),
       view_(first_view<Real>(setup)),
-      memory_(exec_, setup, view_.parameters),
+      memory_(exec_, setup_of_rank(setup), view_.parameters),
       radius_(setup.spheres.radius) {
   WindowProgress& window = memory_.now.host_window;
   window.skins = setup.skins;
@@ -192,13 +241,25 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     window.progress[0].max_speed2 = std::max(window.progress[0].max_speed2, static_cast<float>(norm2(v)));
   window.used = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
   exec_.upload(memory_.now.window, std::span<const WindowProgress>(&window, 1));
-  upload_spheres(setup.spheres);
+  const Range share = share_at_start(setup);
+  if (ranks_ != nullptr) {
+    if constexpr (!Exec::on_host)
+      throw Error(ErrorCode::usage, "several ranks run on the CPU only so far", "--ranks",
+                  "give --backend cpu");
+    share_.owned = {0, share.end - share.begin};
+    share_.all = window.used;
+    share_.ordinal.resize(memory_.n);
+    std::iota(share_.ordinal.begin(), share_.ordinal.end(), share.begin);
+    largest_radius_ = *std::ranges::max_element(radius_);
+  }
+  upload_spheres(setup.spheres, share);
   tangents_.of_body.resize(memory_.bodies);
   for (auto* since_start : {&memory_.now.wall_sums, &memory_.now.dissipated})
     if (since_start->size() > 0) exec_.zero(*since_start, since_start->size());
   refresh_view();
   account();
   exec_.download(memory_.window.totals, std::span<std::int64_t>(total_sums_));
+  if (ranks_ != nullptr) ranks_->sum(total_sums_);
   memory_.now.totals = totals();
 }
 
@@ -236,6 +297,7 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   c.max_overlap_ratio = c.progress[0].top_speed2 = 0;
   if (plan.domain_shift != c.domain_shift) move_domain(plan.domain_shift, c);
   if (c.progress[0].wall_travel > c.skin) c.progress[0].rebuild_due = 1;
+  const std::uint64_t lost_before = c.lost;
   exec_.upload(memory_.now.window, std::span<const WindowProgress>(&c, 1));
   exec_.upload(memory_.window.paths, plan.paths);
   if (memory_.belts) {
@@ -261,7 +323,10 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
   for (;;) {
     exec_.run_window(
         view_, memory_.now.window, [this] { rebuild(); },
-        [this] { exec_.step(memory_.n, MicroStep<Law, Real>{view_}, memory_.bodies + 1); });
+        [this] {
+          exec_.step(memory_.n, MicroStep<Law, Real>{view_}, memory_.bodies + 1);
+          finish_step();
+        });
     if (last_poses.empty())
       account();
     else
@@ -288,6 +353,10 @@ const WindowOutcome& EngineOf<Exec, Law, Real>::advance(const WindowPlan& plan) 
     belt_pull_.resize(std::size_t{plan.steps} * memory_.bodies);
     exec_.download(memory_.window.belt_pull, std::span<std::int64_t>(belt_pull_));
   }
+  if (ranks_ != nullptr) {
+    combine_window(c, lost_before);
+    ranks_->sum(belt_pull_);
+  }
   close_sums(plan);
   tangents_.poses = std::move(last_poses);
   outcome_.max_overlap_ratio = static_cast<double>(c.max_overlap_ratio);
@@ -306,11 +375,30 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   exec_.for_each(1, ChooseSkin<Real>{view_});
   if constexpr (Law::extended)
     if (view_.parameters.periods.any()) exec_.for_each(memory_.n, WrapCentres<Real>{view_});
+  if (ranks_ == nullptr) return list_neighbours();
+  if constexpr (Exec::on_host) {
+    redistribute();
+    // Lists that do not fit are enlarged here, because the other ranks do not wait for it.
+    for (WindowProgress& window = *view_.window;;) {
+      list_neighbours();
+      if ((window.error & list_overflow) == 0) break;
+      memory_.enlarge_lists(exec_, window);
+      refresh_view();
+      window.error &= ~std::uint32_t{list_overflow};
+    }
+    connect_ghosts();
+  }
+}
+
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::list_neighbours() {
   // The sort uses the memory of the counts, which are computed after it.
   static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
   auto* const keys = reinterpret_cast<std::uint32_t*>(memory_.rebuild.count.data());
   exec_.sort_into_cells(memory_.n, memory_.cells(), FindCell<Real>{view_}, keys, keys + memory_.n,
                         memory_.rebuild.cell_start, memory_.rebuild.source);
+  if constexpr (Exec::on_host)
+    if (ranks_ != nullptr) find_own_and_ghosts();
   exec_.for_each(memory_.n, MoveSphere<Real, Law>{view_});
   if (view_.grid.levels > 1)
     exec_.sort_into_cells(memory_.n, memory_.coarse_cells(), FindCoarseCell<Real>{view_}, keys,
@@ -393,17 +481,20 @@ void EngineOf<Exec, Law, Real>::collect(const WindowPlan& plan) {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::refresh_view() {
   memory_.show(view_);
+  if (ranks_ != nullptr) view_.spheres.owned = share_.owned;
   exec_.forget_captured();
 }
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::save() {
   copy(exec_, memory_.now, memory_.saved);
+  saved_share_ = share_;
 }
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy(exec_, memory_.saved, memory_.now);
+  share_ = saved_share_;
   tangents_.rolled_back = true;
   adapt_to_state();
 }
@@ -434,6 +525,7 @@ void EngineOf<Exec, Law, Real>::adapt_to_state() {
 }  // namespace tandem::dem
 
 #include "dem_server/engine/engine_contacts.hpp"
+#include "dem_server/engine/engine_ranks.hpp"
 #include "dem_server/engine/engine_spheres.hpp"
 #include "dem_server/engine/engine_sums.hpp"
 #include "dem_server/engine/engine_tangents.hpp"

@@ -13,7 +13,7 @@
 namespace tandem::dem {
 
 template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
+void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres, Range share) {
   const Parameters<Real>& p = view_.parameters;
   std::vector<PositionRadius<Real>> position(memory_.n);
   std::vector<VelocityKind<Real>> velocity(memory_.n);
@@ -29,13 +29,14 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres) {
     sphere.radius = p.unit.count(spheres.radius[i]);
     mass += p.inertia(kind[i], p.radius(sphere)).mass;
     volume += 4.2 * spheres.radius[i] * spheres.radius[i] * spheres.radius[i];
-    if (i + spheres.waiting >= spheres.size()) continue;
-    p.centres.split(p.centres.of(spheres.position[i]), sphere, fine[i]);
-    position[i] = sphere;
-    id[i] = spheres.id[i];
-    velocity[i].label = Label::of_kind(kind[i]);
-    set_velocity(spheres.velocity[i], velocity[i], fine[i]);
-    spin[i] = {spheres.spin[i].template as<Real>(), spheres.id[i]};
+    if (i < share.begin || i >= share.end) continue;
+    const std::size_t at = i - share.begin;
+    p.centres.split(p.centres.of(spheres.position[i]), sphere, fine[at]);
+    position[at] = sphere;
+    id[at] = spheres.id[i];
+    velocity[at].label = Label::of_kind(kind[i]);
+    set_velocity(spheres.velocity[i], velocity[at], fine[at]);
+    spin[at] = {spheres.spin[i].template as<Real>(), spheres.id[i]};
   }
   const double fast = 1e4;  // [m/s], above any sound flow
   quanta_ = {Quantum::for_range(mass * fast), Quantum::for_range(mass),
@@ -63,7 +64,14 @@ template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
   const std::uint32_t before = memory_.n, wanted = memory_.now.host_window.used + count;
   if (wanted <= before) return;
-  memory_.resize_spheres(exec_, memory_.room_for(wanted));
+  enlarge_spheres(memory_.room_for(wanted));
+}
+
+// Enlarges the number of indices in use; the new ones hold no sphere.
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::enlarge_spheres(std::uint32_t count) {
+  const std::uint32_t before = memory_.n;
+  memory_.resize_spheres(exec_, count);
   refresh_view();
   exec_.for_each(memory_.n - before, ParkFrom<Real>{view_, before});
 }
@@ -73,7 +81,7 @@ void EngineOf<Exec, Law, Real>::make_room_to_come_in(std::uint32_t count) {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::shrink_spheres() {
   const std::uint32_t enough = memory_.room_for(memory_.now.host_window.used);
-  if (memory_.n / 2 <= enough) return;
+  if (ranks_ != nullptr || memory_.n / 2 <= enough) return;
   memory_.resize_spheres(exec_, enough);
   refresh_view();
 }
@@ -101,14 +109,19 @@ void EngineOf<Exec, Law, Real>::move_domain(Vec3d shift, WindowProgress& window)
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::insert(std::span<const Arrival> arrivals) {
   const auto wanted = static_cast<std::uint32_t>(arrivals.size());
-  make_room_to_come_in(wanted);
+  WindowProgress& window = memory_.now.host_window;
+  std::uint32_t first = window.used;
+  if (ranks_ == nullptr)
+    make_room_to_come_in(wanted);
+  else
+    first = make_room_on_last_rank(wanted);
   std::vector<NewSphere> new_spheres;
   for (const Arrival& a : arrivals) new_spheres.push_back({a, kind_.at(a.id)});
   exec_.upload(inflow_.spheres, std::span<const NewSphere>(new_spheres));
-  WindowProgress& window = memory_.now.host_window;
-  const auto [momentum, count] = pass(
-      wanted,
-      InsertSpheres<Real, Law::tangential>{view_, inflow_.spheres.data(), window.used, quanta_.momentum});
+  const bool here = ranks_ == nullptr || ranks_->rank() + 1 == ranks_->size();
+  const auto [momentum, count] =
+      pass(here ? wanted : 0,
+           InsertSpheres<Real, Law::tangential>{view_, inflow_.spheres.data(), first, quanta_.momentum});
   if (count != wanted)
     throw Error(ErrorCode::internal, "a sphere comes in at an index that is taken", "insert");
   passed_momentum_ += -momentum;
@@ -126,6 +139,10 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
   exec_.zero(memory_.window.totals, total_count);
   exec_.template account<total_count>(n, gate);
   exec_.download(memory_.window.totals, std::span<std::int64_t>(sum));
+  if (ranks_ != nullptr) {
+    ranks_->sum(sum);
+    if constexpr (Exec::on_host) swap_ghosts(memory_.now.host_window.progress[0].state_side);
+  }
   return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
 }
 
@@ -143,6 +160,7 @@ const std::vector<RegionSums>& EngineOf<Exec, Law, Real>::measure(std::span<cons
                                                Measure<Real, Law::tangential>{view, quanta_, regions[k]});
   }
   exec_.download(totals, std::span<std::int64_t>(fixed));
+  if (ranks_ != nullptr) ranks_->sum(fixed);
   for (std::size_t k = 0; k < regions.size(); ++k) {
     const std::int64_t* sum = fixed.data() + k * region_total_count;
     sums[k] = {
@@ -184,6 +202,12 @@ std::vector<std::uint8_t> EngineOf<Exec, Law, Real>::find_overlapping(std::span<
   exec_.download(inflow_.taken, std::span<std::uint8_t>(found));
   for (std::size_t k = count; k < found.size(); ++k) found[k % count] |= found[k];
   found.resize(count);
+  if (ranks_ != nullptr) {
+    std::vector<std::uint64_t> on_any(found.begin(), found.end());
+    ranks_->maximum(on_any);
+    std::ranges::transform(on_any, found.begin(),
+                           [](std::uint64_t x) { return static_cast<std::uint8_t>(x); });
+  }
   return found;
 }
 
@@ -202,6 +226,7 @@ void EngineOf<Exec, Law, Real>::fetch_spheres(std::uint32_t side, double back, S
   std::vector<PositionRadius<Real>> position_then(back > 0 ? memory_.n : 0);
   if (back > 0)
     exec_.download(memory_.now.spheres.position[then], std::span<PositionRadius<Real>>(position_then));
+  if (back > 0 && ranks_ != nullptr) gather_at_first(position_then);
   const std::vector<PositionRadius<Real>>& before = back > 0 ? position_then : position;
   fetched_.sort_present(before, radius_.size());
   const Parameters<Real>& p = view_.parameters;
@@ -236,6 +261,7 @@ void EngineOf<Exec, Law, Real>::download(SphereFrame& frame) {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::snapshot() {
   const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
+  if (ranks_ != nullptr) return download(snapshot_.gathered);
   memory_.snapshot.for_each(memory_.now.spheres, side, memory_.needs,
                             [this](const auto& from, auto& to) { exec_.copy(from, to); });
   exec_.mark();
@@ -245,6 +271,7 @@ void EngineOf<Exec, Law, Real>::snapshot() {
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read_snapshot(SphereFrame& frame) {
+  if (ranks_ != nullptr) return std::swap(frame, snapshot_.gathered);
   auto& f = snapshot_.fetched;
   const auto& from = memory_.snapshot;
   exec_.download_marked(from.position, std::span<PositionRadius<Real>>(f.position));
@@ -306,6 +333,9 @@ void EngineOf<Exec, Law, Real>::fetch_arrays(std::uint32_t side, std::uint32_t s
   } else {
     exec_.download(memory_.now.spheres.id, std::span<std::uint32_t>(f.id));
   }
+  if (ranks_ == nullptr) return;
+  gather_at_first(f.position), gather_at_first(f.velocity), gather_at_first(f.spin), gather_at_first(f.fine);
+  gather_at_first(f.id);
 }
 
 template <BackEnd Exec, class Law, class Real>

@@ -40,6 +40,8 @@ void EngineOf<Exec, Law, Real>::close_sums(const WindowPlan& plan) {
                                     view_.dissipation.energy});
   if (memory_.wall_rows.size() == 0) return;
   const WallSumsView& sums = view_.wall_sums;
+  if constexpr (Exec::on_host)
+    if (ranks_ != nullptr) ranks_->sum({memory_.wall_window.data(), memory_.wall_window.size()});
   exec_.for_each(static_cast<std::uint32_t>(memory_.wall_window.size()),
                  CloseWallSums{memory_.wall_window.data(), memory_.now.wall_sums.data(), sums.force,
                                sums.work, plan.dt});

@@ -15,9 +15,21 @@ void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
   exec_.for_each(view_.lists.near_capacity, FindWallTangents<Law, Real>{view_, inflow_.body_pose.data(),
                                                                         memory_.tangents.of_pair.data()});
   exec_.zero(memory_.tangents.of_run, memory_.tangents.of_run.size());
-  exec_.for_each(tangent_runs * WallTangent::entries,
-                 SumTangentRuns{view_.window, view_.lists.near, memory_.bodies,
-                                memory_.tangents.of_pair.data(), memory_.tangents.of_run.data()});
+  SumTangentRuns sum_runs{view_.window, view_.lists.near, memory_.bodies, memory_.tangents.of_pair.data(),
+                          memory_.tangents.of_run.data()};
+  // The lists of the ranks, one after the other, are that of one process with all spheres.
+  WindowProgress all;
+  std::vector<NearBody> near;
+  std::vector<WallTangent> tangents;
+  if constexpr (Exec::on_host)
+    if (ranks_ != nullptr) {
+      const std::uint32_t count = listed_pairs(*view_.window);
+      near = gathered(std::span<const NearBody>(view_.lists.near, count), true);
+      tangents = gathered(std::span<const WallTangent>(sum_runs.tangent, count), true);
+      all.near = static_cast<std::uint32_t>(near.size());
+      sum_runs.window = &all, sum_runs.near = near.data(), sum_runs.tangent = tangents.data();
+    }
+  exec_.for_each(tangent_runs * WallTangent::entries, sum_runs);
   exec_.for_each(memory_.bodies * WallTangent::entries,
                  SumTangents{memory_.bodies, memory_.tangents.of_run.data(), memory_.tangents.sum.data()});
 }

@@ -59,7 +59,7 @@ struct RemoveSpheres {
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
     const std::uint32_t side = view.window->progress[0].state_side;
     PositionRadius<Real>& position = view.spheres.position[side][i];
-    if (is_parked(position) || !leaves(view, side, i)) return;
+    if (is_parked(position) || !view.spheres.owns(i) || !leaves(view, side, i)) return;
     park(position, view.velocity(side, i), view.spheres.velocity[side][i].kind(), view.parameters, momentum,
          tally);
   }

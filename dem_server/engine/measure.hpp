@@ -35,7 +35,7 @@ struct Measure {
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally) const {
     const std::uint32_t side = view.window->progress[0].state_side;
     const PositionRadius<Real> own = view.spheres.position[side][i];
-    if (is_parked(own)) return;
+    if (is_parked(own) || !view.spheres.owns(i)) return;
     const Vec3d x = view.parameters.periods.wrapped(view.centre(side, i));
     if (!contains(region, x)) return;
     const Vec3d v = view.velocity(side, i);

@@ -124,7 +124,7 @@ template <class Real, class Found>
 TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found found) {
   const WindowProgress& c = *view.window;
   const PositionRadius<Real> own = view.spheres.position[c.progress[0].state_side ^ 1][i];
-  if (is_parked(own)) return;
+  if (is_parked(own) || !view.spheres.owns(i)) return;
   const Vec3d centre = centre_of(view, i);
   const double reach = view.parameters.unit.exact_metres(own.radius) + c.skin +
                        view.parameters.unit.exact_metres(view.parameters.range);
@@ -138,6 +138,16 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
       if (touch_facet(view.surface.facets, near[k], x, reach, touch))
         found(body, near[k], touch.gap + c.skin - reach_rounding * reach);
   }
+}
+
+// Pairs of two ghosts are computed by other ranks. Only the CPU back end has ranks so far.
+template <bool once, class Real>
+TANDEM_HD bool is_listed([[maybe_unused]] const View<Real>& view, [[maybe_unused]] std::uint32_t i,
+                         [[maybe_unused]] std::uint32_t j, bool is_near) {
+  if constexpr (once)
+    return is_near && (view.spheres.owns(i) || view.spheres.owns(j));
+  else
+    return is_near;
 }
 
 template <class Real, class Law, bool once, Levels levels>
@@ -155,6 +165,7 @@ struct CountPairs {
     std::uint32_t after = 0, before = 0;
     for_each_neighbour<Neighbours::all, Law, levels>(view, i, group,
                                                      [&](std::uint32_t j, Image, bool is_near) {
+                                                       is_near = is_listed<once>(view, i, j, is_near);
                                                        after += group.count(is_near && j > i);
                                                        before += group.count(is_near && j < i);
                                                      });
@@ -326,6 +337,7 @@ struct FillPairs {
     TwoEnds after{begin.pairs, middle}, before{middle, end.pairs};
     constexpr Neighbours side = once ? Neighbours::after : Neighbours::all;
     for_each_neighbour<side, Law, levels>(view, i, group, [&](std::uint32_t j, Image image, bool is_near) {
+      is_near = is_listed<once>(view, i, j, is_near);
       const bool touching = is_near && may_touch<Law>(view.parameters, own, position[j], image);
       // Neighbours that touch now are adjacent in the middle of the list, so that most steps find a sphere's
       // contacts and their histories together.
@@ -410,7 +422,7 @@ struct FillMirrors {
     constexpr OneThread alone;
     for_each_neighbour<Neighbours::before, Law, levels>(
         view, i, alone, [&](std::uint32_t j, Image image, bool is_near) {
-          if (!is_near) return;
+          if (!is_listed<true>(view, i, j, is_near)) return;
           std::uint32_t k = pairs.start[j];
           while (pairs.entry[k].index() != i) ++k;
           view.lists.mirror[at.take(alone, true,

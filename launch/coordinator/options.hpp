@@ -28,6 +28,8 @@ enum class Estimate {
 };
 Estimate parse_estimate(const std::string& word);  // Error{usage} with the nearest word
 
+inline constexpr int most_ranks = 1024;
+
 struct RunOptions;
 // Participants that a run over dds admits: those with "secret", "certificates" or both; "none": everybody.
 const char* dds_security(const RunOptions& options);
@@ -37,6 +39,7 @@ struct RunOptions {
   Overrides overrides;
   std::string backend = "auto";  // "auto", "cpu", "cuda"
   unsigned threads = 0;          // of the particle solver; 0: the solver chooses
+  int ranks = 1;                 // processes that share the spheres
   Transport transport = Transport::shm;
   bool attach = false;   // servers are started by the user
   std::string run_name;  // run name for attached servers; empty: generated

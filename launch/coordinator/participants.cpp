@@ -13,6 +13,7 @@
 #include "common/utf8.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "launch/build_info.hpp"
+#include "launch/coordinator/rank_command.hpp"
 #include "launch/run_folder/own_files.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/dds/dds_channel.hpp"
@@ -169,6 +170,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
     const Role role = participant->role;
     const std::string program = protocol::name(role);
     // A foreign program may call itself as it likes; its command tells it from ours.
+    const bool on_ranks = role == Role::dem && options.ranks > 1;
     const std::string shown = foreign.of(role) ? start_of(*foreign.of(role), role, {}).name : program;
     std::unique_ptr<protocol::Channel> channel;
     const auto start = [&](const std::vector<std::string>& arguments, const std::vector<int>& descriptors,
@@ -189,6 +191,12 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
                      ? ""
                      : fmt::format("  (the scene names the server '{}')", printable_line(shortened(named))));
       std::fflush(stdout);
+    } else if (on_ranks) {
+      // mpirun passes no descriptors on, so that rank 0 finds this process by a name.
+      Command command = start_of_ranks(static_cast<unsigned>(options.ranks), address(role));
+      command.log = log;
+      participant->process.emplace(command);
+      participant->foreign = true;
     } else if (options.transport == Transport::shm) {
       protocol::Endpoint endpoint = protocol::create_shm(shown, shm);
       std::vector<int> descriptors;
@@ -296,7 +304,7 @@ std::string Participants::last_words(Role role) const {
   };
   std::string line, last;
   while (std::getline(file, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos && !is_of_another(line) &&
+    if (line.find_first_not_of(" \t\r-") != std::string::npos && !is_of_another(line) &&
         line != "Run with --help for more information.")
       last = line;
   return printable(shortened(last, 300));

@@ -26,6 +26,7 @@
 #include "launch/coordinator/kept_frames.hpp"
 #include "launch/coordinator/kept_scene.hpp"
 #include "launch/coordinator/progress.hpp"
+#include "launch/coordinator/rank_command.hpp"
 #include "launch/coordinator/run_frames.hpp"
 #include "launch/coordinator/show.hpp"
 #include "launch/coordinator/start.hpp"
@@ -468,6 +469,7 @@ int run(const RunOptions& given, Controller* controller) {
                           unsettled_picture(options.scene)});
   if (options.estimate == Estimate::richardson) expect_repeatable(options, file.scene, controller != nullptr);
   const ForeignServers foreign = foreign_servers(file, options);
+  expect_ranks(options, file.scene, foreign);
   if (options.checkpoint_every != 0) checkpoint_interval(options.checkpoint_every);
   if (!options.record.empty()) {
     protocol::Recorder::expect_replaceable(options.record);

@@ -41,6 +41,10 @@ void add_run(CLI::App& app, int& status) {
                    "and at least 2, are left to the other programs")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  verb->add_option("--ranks", options->ranks,
+                   "Processes that share the spheres, on the cores of this host, started by mpirun; results "
+                   "have the same bits for any number. --threads is then that of each")
+      ->capture_default_str();
   verb->add_option(
           "--transport", options->transport,
           "How the servers are reached: shm, inproc, dds, or stream, their standard input and output")

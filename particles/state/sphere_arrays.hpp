@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "particles/base/range.hpp"
 #include "particles/state/particles.hpp"
 
 namespace tandem::particles {
@@ -11,6 +12,7 @@ namespace tandem::particles {
 template <class Real>
 struct SphereArrays {
   std::uint32_t count = 0;              // indices in use, parked ones included
+  Range owned;                          // those that this rank moves; the others are ghosts, see Ranks
   PositionRadius<Real>* position[2]{};  // (count)
   VelocityKind<Real>* velocity[2]{};    // (count)
   Spin<Real>* spin[2]{};                // (count); absent for laws without friction
@@ -18,6 +20,7 @@ struct SphereArrays {
   // Number at the start; undefined for parked indices. Absent where Spin has it (count)
   std::uint32_t* id = nullptr;
 
+  TANDEM_HD bool owns(std::uint32_t i) const { return i - owned.begin < owned.end - owned.begin; }
   TANDEM_HD FinePart<Real> fine_part(std::uint32_t i) const {
     if constexpr (has_fine_part<Real>)
       return fine[i];

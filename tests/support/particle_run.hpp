@@ -27,7 +27,7 @@ struct ParticleRun {
   // are those of walls, by name.
   template <class Change>
   ParticleRun(const std::string& json, particles::Backend backend, unsigned threads, Change change,
-              const std::vector<NamedMesh>& meshes = {})
+              const std::vector<NamedMesh>& meshes = {}, particles::Ranks* ranks = nullptr)
       : scene(scene::parse(json, "test")) {
     const particles::Fill fill = particles::make_fill(scene, {});
     spheres.position = fill.position;
@@ -43,7 +43,9 @@ struct ParticleRun {
     skins = particles::skins_of(*scene.dem, spheres.radius);
     surface =
         particles::make_surface(scene, meshes, largest + skins.largest, particles::make_fixed(scene, {}));
-    engine = dem::make_engine(dem::choose_engine(scene, backend), {scene, surface, spheres, skins, threads});
+    dem::EngineSetup setup{scene, surface, spheres, skins, threads};
+    setup.ranks = ranks;
+    engine = dem::make_engine(dem::choose_engine(scene, backend), setup);
   }
   explicit ParticleRun(const std::string& json, particles::Backend backend = particles::Backend::cpu,
                        unsigned threads = 1)

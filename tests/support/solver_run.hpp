@@ -14,7 +14,7 @@ namespace tandem::test {
 struct SolverRun {
   static constexpr Nanoseconds window{1'000'000};
 
-  std::unique_ptr<protocol::LoadSolver> solver = dem::make_solver();
+  std::unique_ptr<protocol::LoadSolver> solver;
   nlohmann::json configured;
   Nanoseconds now;
   std::uint64_t windows = 0;
@@ -24,7 +24,9 @@ struct SolverRun {
   std::uint64_t lost = 0;
   std::vector<double> sensed;  // at the end of the last window
 
-  SolverRun(const nlohmann::json& scene, const std::string& origin, unsigned threads, const char* backend) {
+  SolverRun(const nlohmann::json& scene, const std::string& origin, unsigned threads, const char* backend,
+            std::unique_ptr<protocol::LoadSolver> made = dem::make_solver())
+      : solver(std::move(made)) {
     log::setup("test", "error");
     protocol::Configuration c;
     c.scene_text = scene.dump();

@@ -82,8 +82,10 @@ class CpuExec : public HostExec {
     run_tallied(n, 0, 0,
                 [&](Range range, HostTally& tally) { evaluate_pairs(step, now, state, range, tally); });
     report(step.view, 0);
-    run_tallied(n, rows * 6, 0, [&](Range range, HostTally& tally) {
-      for (std::uint32_t i = range.begin; i < range.end; ++i) move(step, now, state, i, tally);
+    const Range owned = step.view.spheres.owned;
+    run_tallied(owned.end - owned.begin, rows * 6, 0, [&](Range range, HostTally& tally) {
+      for (std::uint32_t i = owned.begin + range.begin; i < owned.begin + range.end; ++i)
+        move(step, now, state, i, tally);
     });
     report(step.view, rows);
   }

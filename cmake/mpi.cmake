@@ -1,0 +1,15 @@
+# Sets TANDEM_HAS_MPI: dem_server_mpi, which tandem run --ranks starts, is built where MPI is found.
+set(TANDEM_HAS_MPI OFF)
+set(TANDEM_MPIRUN "")
+# MPI keeps memory to the end, which sanitizers would report.
+if(NOT TANDEM_MPI STREQUAL "OFF" AND NOT TANDEM_SANITIZE)
+  set(MPI_CXX_SKIP_MPICXX ON)
+  find_package(MPI QUIET COMPONENTS CXX)
+  if(MPI_CXX_FOUND AND MPIEXEC_EXECUTABLE)
+    set(TANDEM_HAS_MPI ON)
+    set(TANDEM_MPIRUN ${MPIEXEC_EXECUTABLE})
+  elseif(TANDEM_MPI STREQUAL "ON")
+    message(FATAL_ERROR "TANDEM_MPI=ON, but MPI was not found; run launch/install, or configure with TANDEM_MPI=OFF")
+  endif()
+endif()
+message(STATUS "tandem: several ranks by MPI ${TANDEM_HAS_MPI} ${TANDEM_MPIRUN}")

@@ -1,0 +1,109 @@
+// Which spheres a rank has (particles/base/ranks.hpp), and which of them its neighbours need.
+//
+// Spheres are sorted by cell, and the cells have one order (particles/grid/cell_grid.hpp). Rank r moves the
+// spheres in a range of that order, and has ghosts: copies of the spheres of other ranks near its own. Its
+// arrays have all of these in the order of cells, so that
+//
+//   ghosts of lower ranks | own spheres | ghosts of higher ranks
+//
+// and the spheres around an own sphere come in the order in which one process would find them. Forces are
+// summed in that order: the number of ranks changes no bit.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "common/math/vec3.hpp"
+#include "dem_server/laws/particle_names.hpp"
+#include "particles/base/range.hpp"
+#include "particles/grid/cell_grid.hpp"
+
+namespace tandem::dem {
+
+// The range of cells of each rank.
+class CellShares {
+ public:
+  static constexpr std::uint32_t cells_per_block = 64;  // see CellGrid
+
+  CellShares() = default;
+  // `spheres`: number in each block of cells. A rank gets about its share of them, see Ranks::weights().
+  CellShares(const std::vector<std::int64_t>& spheres, const std::vector<std::int64_t>& weights) : first_{0} {
+    const auto sum = [](const std::vector<std::int64_t>& values) {
+      return std::accumulate(values.begin(), values.end(), std::int64_t{0});
+    };
+    const std::int64_t all = sum(spheres), weight = sum(weights);
+    std::int64_t before = 0, weight_before = weights.front();
+    for (std::size_t block = 0; block < spheres.size(); ++block) {
+      while (first_.size() < weights.size() && before * weight >= all * weight_before) {
+        weight_before += weights[first_.size()];
+        first_.push_back(static_cast<std::uint32_t>(block) * cells_per_block);
+      }
+      before += spheres[block];
+    }
+    first_.resize(weights.size() + 1, static_cast<std::uint32_t>(spheres.size()) * cells_per_block);
+  }
+
+  Range of(unsigned rank) const { return {first_[rank], first_[rank + 1]}; }
+  unsigned owner(std::uint32_t cell) const {
+    return static_cast<unsigned>(std::upper_bound(first_.begin() + 1, first_.end() - 1, cell) -
+                                 (first_.begin() + 1));
+  }
+  // Calls f(rank) once for each rank with cells within so many cells of that at position x.
+  template <class F>
+  void for_each_around(const CellGrid& grid, Vec3d x, Vec3<std::int32_t> within, F f) const {
+    std::int32_t low[3], high[3];
+    bool wraps = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = grid.along(x[axis], axis) - within[axis];
+      high[axis] = grid.along(x[axis], axis) + within[axis];
+      if (grid.periodic[axis]) {
+        wraps |= low[axis] < 0 || high[axis] >= grid.cells[axis];
+      } else {
+        low[axis] = std::max(low[axis], 0);
+        high[axis] = std::min(high[axis], grid.cells[axis] - 1);
+      }
+    }
+    if (!wraps) {
+      // Numbers ascend along each axis.
+      const unsigned first = owner(grid.number(low[0], low[1], low[2])),
+                     last = owner(grid.number(high[0], high[1], high[2]));
+      if (first == last) return f(first);
+    }
+    found_.clear();
+    for (std::int32_t z = low[2]; z <= high[2]; ++z)
+      for (std::int32_t y = low[1]; y <= high[1]; ++y)
+        for (std::int32_t at_x = low[0]; at_x <= high[0]; ++at_x) {
+          const unsigned rank =
+              owner(grid.number(wrapped(grid, at_x, 0), wrapped(grid, y, 1), wrapped(grid, z, 2)));
+          if (std::find(found_.begin(), found_.end(), rank) == found_.end()) found_.push_back(rank);
+        }
+    for (const unsigned rank : found_) f(rank);
+  }
+
+ private:
+  static std::int32_t wrapped(const CellGrid& grid, std::int32_t c, int axis) {
+    const std::int32_t count = grid.cells[axis];
+    return grid.periodic[axis] ? ((c % count) + count) % count : c;
+  }
+
+  std::vector<std::uint32_t> first_;  // of each rank, and the end
+  mutable std::vector<unsigned> found_;
+};
+
+// What a rank exchanges with another one in each micro step.
+struct GhostLink {
+  unsigned rank = 0;
+  std::vector<std::uint32_t> send;  // own spheres that are ghosts there, ascending
+  Range ghosts;                     // spheres of that rank that are ghosts here
+};
+
+struct RankShare {
+  Range owned;                         // see SphereArrays
+  std::uint32_t all = 0;               // spheres of all ranks
+  std::vector<std::uint32_t> ordinal;  // of each sphere here: its index where one process had them all
+  std::vector<GhostLink> links;
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,20 @@
+// dem_server on several ranks: what starts it, and what it does not serve yet.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "launch/coordinator/options.hpp"
+#include "launch/coordinator/processes.hpp"
+#include "launch/coordinator/scene_file.hpp"
+#include "launch/coordinator/server_command.hpp"
+
+namespace tandem::launch {
+
+// Throws Error{usage} where the ranks of `options` cannot compute this run, and says what to write instead.
+void expect_ranks(const RunOptions& options, const scene::Scene& scene, const ForeignServers& foreign);
+
+// Starts so many ranks by mpirun; rank 0 gets the arguments of a server.
+Command start_of_ranks(unsigned ranks, const std::vector<std::string>& arguments);
+
+}  // namespace tandem::launch

@@ -1,0 +1,29 @@
+// Ranks that are processes of MPI.
+#pragma once
+
+#include "particles/base/ranks.hpp"
+
+namespace tandem::particles {
+
+// One in a process, in which no other part uses MPI. Its calls may come from any thread, one at a time.
+class MpiRanks final : public Ranks {
+ public:
+  MpiRanks(int& argc, char**& argv);
+  ~MpiRanks() override;
+  MpiRanks(const MpiRanks&) = delete;
+  MpiRanks& operator=(const MpiRanks&) = delete;
+
+  unsigned rank() const override { return rank_; }
+  unsigned size() const override { return size_; }
+  std::vector<Bytes> exchange(const std::vector<Bytes>& to) override;
+  void swap(std::span<const Parcel> to, std::span<const Parcel> from) override;
+  void sum(std::span<std::int64_t> values) override;
+  void maximum(std::span<std::uint64_t> values) override;
+  void broadcast(Bytes& bytes) override;
+  [[noreturn]] void abort(int status) override;
+
+ private:
+  unsigned rank_ = 0, size_ = 1;
+};
+
+}  // namespace tandem::particles
