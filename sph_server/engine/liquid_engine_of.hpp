@@ -292,6 +292,7 @@ class LiquidEngineOf final : public LiquidEngine {
     visit("figures", e.figures_);
     visit("holds_for", e.holds_for_);
     visit("drift", e.drift_);
+    visit("frame", e.frame_);
     visit("skin_of_walls", e.skin_of_walls_);
   }
   template <class Visit>
@@ -310,9 +311,9 @@ class LiquidEngineOf final : public LiquidEngine {
   // During the step to come. The last sums know the ways of particles but for what a vessel does that is not
   // in its velocity, and for the damping in a vessel that moves.
   bool lists_hold() {
-    const Vec3d before = std::exchange(drift_, drift_since(built_poses_)), frame = rates_.frame;
-    const double unknown = norm(advance_.dt * frame - (drift_ - before)) +
-                           0.5 * advance_.dt * (1 - advance_.damping) * norm(frame);
+    const Vec3d before = std::exchange(drift_, drift_since(built_poses_));
+    const double unknown = norm(advance_.dt * frame_ - (drift_ - before)) +
+                           0.5 * advance_.dt * (1 - advance_.damping) * norm(frame_);
     return advance_.dt <= holds_for_ && unknown <= rates_.spare &&
            walls_.moved_from(displaced(built_poses_, drift_)) <= static_cast<double>(skin_of_walls_);
   }
@@ -712,7 +713,7 @@ class LiquidEngineOf final : public LiquidEngine {
 
   void sum_rates() {
     exec_.side_by_side([this] { see_facets(); }, [this] { exec_.sum_over_lanes(count(), pairs_); });
-    rates_.frame = frame_velocity();
+    frame_ = rates_.frame = frame_velocity();
     rates_.drift = drift_;
     rates_.built_at = built_at_.data();
     rates_.skin = skin_.data();
@@ -774,6 +775,7 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<particles::BodyPose> built_pose_;
   bool built_ = false;    // lists are those of built_at_
   Vec3d drift_;           // of the vessel since then, at the last sums [m]
+  Vec3d frame_;           // velocity of the vessel at the last sums [m/s]
   double holds_for_ = 0;  // particles stay within their skins for this time from the last sums on [s]
   Buffer<float> skin_, near_skin_, largest_;  // see Reaches, and LargestInCell
   float skin_of_walls_ = 0;                   // [m]

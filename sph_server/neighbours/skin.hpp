@@ -42,9 +42,7 @@ struct Reaches {
   float walls = 0;              // skin of the walls [m]
   static constexpr double rounding = 1 + 1e-6;
 
-  TANDEM_HD double to_neighbours(std::uint32_t i) const {
-    return rounding * (support + skin[i] + near[i]);
-  }
+  TANDEM_HD double to_neighbours(std::uint32_t i) const { return rounding * (support + skin[i] + near[i]); }
   // To those that may come within the support, and those that may be before a neighbour.
   TANDEM_HD double to_facets(std::uint32_t i) const {
     return rounding * (support + skin[i] + std::fmax(near[i], walls));
@@ -78,8 +76,8 @@ struct MeasureSpeed {
 struct LargestInCell {
   const std::uint32_t* cell_start = nullptr;
   const std::uint32_t* cell_particle = nullptr;
-  const float* value = nullptr;    // of each particle
-  float* largest = nullptr;        // of each cell
+  const float* value = nullptr;  // of each particle
+  float* largest = nullptr;      // of each cell
 
   TANDEM_HD void operator()(std::uint32_t cell) const {
     float most = 0;
