@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* state_kind = "tandem liquid state";
 // Version of the contents. It must be raised with every change of the state that an engine keeps.
-constexpr std::uint64_t state_version = 7;
+constexpr std::uint64_t state_version = 8;
 
 std::string name_in_file(const std::string& name) {
   return "engine/" + name;

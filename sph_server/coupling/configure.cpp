@@ -78,7 +78,7 @@ void Solver::measure_responses(const LiquidStart& start, const LiquidState& liqu
   if (how.scheme == scene::Scheme::implicit) least_steps_ = static_cast<std::uint64_t>(enough_steps);
   const StepFigures figures = engine_->figures();
   const double stable =
-      0.95 * step_limits(properties_, figures.largest_speed, figures.largest_acceleration).smallest;
+      0.8 * step_limits(properties_, figures.largest_speed, figures.largest_acceleration).smallest;
   const double steps = std::ceil(window / std::min(window / static_cast<double>(steps_of(window)), stable)),
                dt = window / steps;
   std::vector<BodyId> body_of;

@@ -22,6 +22,7 @@
 #include "sph_server/io/vessel.hpp"
 #include "sph_server/io/wall_meshes.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
+#include "sph_server/neighbours/skin.hpp"
 #include "sph_server/neighbours/walls.hpp"
 
 namespace tandem::sph {
@@ -53,7 +54,7 @@ Liquid properties_of(const scene::Sph& sph, Vec3d gravity, double depth, double 
 
 // In a shorter one a particle would see another one twice, or itself.
 void expect_periods(const particles::Periods& periods, const Liquid& liquid) {
-  const double least = 3 * (liquid.support() + list_skin * liquid.spacing);
+  const double least = 3 * (liquid.support() + widest_skin * liquid.spacing);
   for (int a = 0; a < 3; ++a)
     if (periods.length[a] > 0 && periods.length[a] < least)
       throw Error(

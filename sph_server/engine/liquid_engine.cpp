@@ -42,8 +42,9 @@ std::size_t bytes_of_sums(bool shifting) {
 
 std::size_t predicted_bytes(std::size_t particles, const LiquidSetup& setup, bool single, bool with_copy) {
   const Liquid& liquid = setup.liquid;
-  const double reach = liquid.support() / liquid.spacing + list_skin,
-               neighbours = 4.0 / 3 * std::numbers::pi * reach * reach * reach;
+  const double reach =
+                   liquid.support() / liquid.spacing + 0.5 * widest_skin,  // of slow and of fast particles
+      neighbours = 4.0 / 3 * std::numbers::pi * reach * reach * reach;
   // On a CPU the parts of the threads are there as well while a list is built; a GPU has room for an eighth.
   const double list =
       neighbours * sizeof(Neighbour) * (setup.backend == particles::Backend::cuda ? 1.125 : 2);

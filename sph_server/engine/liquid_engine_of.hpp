@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -18,7 +19,6 @@
 #include "sph_server/engine/liquid_memory.hpp"
 #include "sph_server/engine/sensed.hpp"
 #include "sph_server/engine/totals.hpp"
-#include "sph_server/engine/way_bound.hpp"
 #include "sph_server/equations/time_step.hpp"
 #include "sph_server/neighbours/beside_walls.hpp"
 #include "sph_server/step/edge_sums.hpp"
@@ -35,7 +35,8 @@ class LiquidEngineOf final : public LiquidEngine {
 
   explicit LiquidEngineOf(const LiquidSetup& setup)
       : setup_(setup),
-        reach_(setup.liquid.support() + list_skin * setup.liquid.spacing),
+        skins_(SkinRule::of(setup.liquid, shortest_of(setup.periods))),
+        reach_((setup.liquid.support() + 2 * skins_.widest) * Reaches::rounding),
         exec_(setup.threads),
         walls_(setup.walls, reach_, setup.slip),
         device_walls_(exec_, walls_),
@@ -52,6 +53,7 @@ class LiquidEngineOf final : public LiquidEngine {
     const WallKernel kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     hiders_.kernel = see_whole_.kernel = see_partial_.kernel = wall_sums_.kernel = edges_.kernel = kernel;
     rates_.properties = setup.liquid;
+    rates_.spare = 1e-3 * setup.liquid.spacing;
     rates_.inverse_sound2 = 1 / (setup.liquid.sound_speed * setup.liquid.sound_speed);
     rates_.peak = wall_sums_.peak = Kernel<double>::of_support(setup.liquid.support()).peak;
     wall_sums_.wall = WallConstants::of(setup.liquid);
@@ -60,10 +62,11 @@ class LiquidEngineOf final : public LiquidEngine {
     edges_.wall = wall_sums_.wall;
     edges_.mass = setup.liquid.mass();
     edges_.spacing = setup.liquid.spacing;
-    advance_.periods = setup_.periods;
+    advance_.periods = rates_.periods = setup_.periods;
     advance_.properties = setup.liquid;
     mark_.centres = place_.centres = backs_.centres = hiders_.centres = see_whole_.centres =
-        see_partial_.centres = wall_sums_.centres = edges_.centres = advance_.centres = centres_;
+        see_partial_.centres = wall_sums_.centres = edges_.centres = rates_.centres = advance_.centres =
+            centres_;
   }
 
   void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) override {
@@ -150,7 +153,6 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
-    way_.without_step_before(figures_);
     for (int k = 0; k < how.steps; ++k) {
       step(step_limits(l, std::max(l.sound_speed, figures_.largest_speed), figures_.largest_acceleration)
                .smallest,
@@ -288,6 +290,10 @@ class LiquidEngineOf final : public LiquidEngine {
     visit("work", e.work_.of);
     visit("last_dt", e.last_dt_);
     visit("figures", e.figures_);
+    visit("holds_for", e.holds_for_);
+    visit("drift", e.drift_);
+    visit("frame", e.frame_);
+    visit("skin_of_walls", e.skin_of_walls_);
   }
   template <class Visit>
   static void each(Host& host, Visit visit) {
@@ -296,17 +302,20 @@ class LiquidEngineOf final : public LiquidEngine {
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(count_); }
 
-  // Moves all particles, and builds the lists anew where they may have become wrong. How far particles have
-  // moved is measured only where a bound on it does not do: a GPU would have to be waited for.
+  // Moves all particles, and builds the lists anew where they may have become wrong.
   void move() {
-    const Vec3d drift = drift_since(built_poses_);
-    const double skin = list_skin * setup_.liquid.spacing,
-                 of_walls = walls_.moved_from(displaced(built_poses_, drift));
-    const auto lists_hold = [&] { return 2 * way_.farthest() + of_walls < skin; };
-    way_.add_step(advance_, figures_, rates_.frame, drift);
-    if (lists_hold()) return exec_.for_each(count(), advance_);
-    way_.measured(exec_.template reduce<Farthest>(count(), Move<Real>{advance_, built_at_.data(), drift}));
-    if (!lists_hold()) rebuild();
+    const bool hold = lists_hold();
+    exec_.for_each(count(), advance_);
+    if (!hold) rebuild();
+  }
+  // During the step to come. The last sums know the ways of particles but for what a vessel does that is not
+  // in its velocity, and for the damping in a vessel that moves.
+  bool lists_hold() {
+    const Vec3d before = std::exchange(drift_, drift_since(built_poses_));
+    const double unknown = norm(advance_.dt * frame_ - (drift_ - before)) +
+                           0.5 * advance_.dt * (1 - advance_.damping) * norm(frame_);
+    return advance_.dt <= holds_for_ && unknown <= rates_.spare &&
+           walls_.moved_from(displaced(built_poses_, drift_)) <= static_cast<double>(skin_of_walls_);
   }
 
   static particles::FinePart<Real> fine_of([[maybe_unused]] const Host& host,
@@ -345,6 +354,7 @@ class LiquidEngineOf final : public LiquidEngine {
     Memory::each([&](const char*, auto& array) { exec_.grow(array, room); }, memory_);
     exec_.grow(sums_, room);
     exec_.grow(built_at_, room);
+    exec_.grow(skin_, room);
     exec_.grow(located_, room);
     use_arrays();
   }
@@ -384,6 +394,12 @@ class LiquidEngineOf final : public LiquidEngine {
     if (!setup_.vessel) return {};
     const Vessel& vessel = *setup_.vessel;
     return vessel.position(walls_.poses()[vessel.wall]) - vessel.position(poses_then[vessel.wall]);
+  }
+  static double shortest_of(const particles::Periods& periods) {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < 3; ++a)
+      if (periods.length[a] > 0) shortest = std::min(shortest, periods.length[a]);
+    return shortest;
   }
   static std::vector<particles::BodyPose> displaced(std::vector<particles::BodyPose> poses, Vec3d by) {
     for (particles::BodyPose& pose : poses) pose.p += by;
@@ -454,7 +470,6 @@ class LiquidEngineOf final : public LiquidEngine {
     use_arrays();
     previous_body_sums_ = body_sums_;
     std::copy(std::begin(power_), std::end(power_), std::begin(previous_power_));
-    way_.without_step_before(figures_);
     last_dt_ = 0;
   }
 
@@ -531,10 +546,11 @@ class LiquidEngineOf final : public LiquidEngine {
     figures_.passed_walls += strays.passed;
     if (figures_.rebuilds % lists_in_order == 0) put_in_order_of_cells();
     std::swap(built_at_, located_);
+    choose_skins();
     build_lists();
     built_poses_ = walls_.poses();
     built_ = true;
-    way_.begin();
+    drift_ = {};
     ++figures_.rebuilds;
   }
 
@@ -556,30 +572,49 @@ class LiquidEngineOf final : public LiquidEngine {
                           scratch_.data(), cell_start_, in_cell_);
   }
 
-  // The lists of the positions in built_at_.
+  // For the positions in built_at_.
+  void choose_skins() {
+    sort_into_cells(built_at_);
+    const Vec3d frame = frame_velocity();
+    skin_of_walls_ = skins_.at_speed(walls_.largest_speed(frame));
+    exec_.grow(near_skin_, count_);
+    exec_.for_each(count(), MeasureSpeed<Real>{liquid_.velocity, liquid_.fine, built_at_.data(),
+                                               device_walls_.view(), frame, near_skin_.data()});
+    exec_.for_each(count(), ChooseSkin{largest_in_cells(near_skin_), skins_, skin_.data()});
+  }
+  LargestNear largest_in_cells(const Buffer<float>& value) {
+    exec_.grow(largest_, grid_.total);
+    exec_.for_each(grid_.total,
+                   LargestInCell{cell_start_.data(), in_cell_.data(), value.data(), largest_.data()});
+    return {grid_, built_at_.data(), largest_.data()};
+  }
+
+  // The lists of the positions in built_at_ and of the skins in skin_.
   void build_lists() {
     sort_into_cells(built_at_);
     exec_.grow(near_count_, count_);
+    exec_.grow(near_skin_, count_);
+    exec_.for_each(count(), FindNearSkin{largest_in_cells(skin_), cells_of_reach_, near_skin_.data()});
+    const Reaches reaches{setup_.liquid.support(), skin_.data(), near_skin_.data(), skin_of_walls_};
     const WallsView walls = device_walls_.view();
-    // Lists are symmetric also where two particles are just within the reach.
-    exec_.build_list(count(), FindFacets{walls, built_at_.data(), reach_ * (1 + 1e-9)}, facets_);
+    exec_.build_list(count(), FindFacets{walls, built_at_.data(), reaches}, facets_);
     exec_.grow(particle_, facets_.total);
     exec_.grow(distance_, facets_.total);
     exec_.grow(clearance_, count_);
     exec_.for_each(count(), NameParticles{facets_.view(), particle_.data()});
     exec_.for_each(facets_.total, MeasureFacets{walls, facets_.view(), particle_.data(), built_at_.data(),
-                                                reach_, distance_.data()});
-    exec_.for_each(count(), FindClearance{facets_.view(), distance_.data(),
-                                          MeasureFacets::at_least(reach_, walls.margin), clearance_.data()});
-    exec_.grow(position_in_cell_, count_);
+                                                reaches, distance_.data()});
     exec_.for_each(count(),
-                   PlaceInCells<Real>{centres_, built_at_.data(), in_cell_.data(), position_in_cell_.data()});
-    exec_.build_list(count(),
-                     FindNeighbours<Real>{grid_, grid_.edge(reach_), cells_of_reach_, pairs_.apart, centres_,
-                                          setup_.periods, cell_start_.data(), in_cell_.data(),
-                                          position_in_cell_.data(), built_at_.data(), reach_, walls,
-                                          facets_.view(), distance_.data(), clearance_.data()},
-                     neighbours_);
+                   FindClearance{facets_.view(), distance_.data(), reaches, walls.margin, clearance_.data()});
+    exec_.grow(position_in_cell_, count_);
+    exec_.for_each(count(), PlaceInCells<Real>{centres_, unit_, skin_.data(), built_at_.data(),
+                                               in_cell_.data(), position_in_cell_.data()});
+    exec_.build_list(
+        count(),
+        FindNeighbours<Real>{grid_, grid_.edge(1), cells_of_reach_, pairs_.apart, centres_, setup_.periods,
+                             cell_start_.data(), in_cell_.data(), position_in_cell_.data(), built_at_.data(),
+                             reaches, walls, facets_.view(), distance_.data(), clearance_.data()},
+        neighbours_);
     exec_.grow(place_of_facet_, facets_.total);
     exec_.grow(near_, facets_.total);
     exec_.grow(hiders_of_, facets_.total);
@@ -678,7 +713,10 @@ class LiquidEngineOf final : public LiquidEngine {
 
   void sum_rates() {
     exec_.side_by_side([this] { see_facets(); }, [this] { exec_.sum_over_lanes(count(), pairs_); });
-    rates_.frame = frame_velocity();
+    frame_ = rates_.frame = frame_velocity();
+    rates_.drift = drift_;
+    rates_.built_at = built_at_.data();
+    rates_.skin = skin_.data();
     body_sums_.resize(walls_.bodies());
     const bool many_facets = facets_.total > 4 * beside_walls_;
     const Tally sum =
@@ -691,6 +729,7 @@ class LiquidEngineOf final : public LiquidEngine {
                   "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
     if (sum.crowded_by_facets > 0) refuse_crowded();
     for (int p = 0; p < powers; ++p) power_[p] = particles::from_fixed(sum.power[p], quanta_.power);
+    holds_for_ = sum.holds_for;
     figures_.largest_speed = std::sqrt(sum.largest_speed2);
     figures_.largest_acceleration = std::sqrt(sum.largest_acceleration2);
     figures_.largest_compression = sum.largest_compression;
@@ -714,7 +753,8 @@ class LiquidEngineOf final : public LiquidEngine {
   };
 
   LiquidSetup setup_;
-  double reach_ = 0;  // support and skin [m]
+  SkinRule skins_;
+  double reach_ = 0;  // support and two of the widest skins [m]
   mutable Exec exec_;
   Walls walls_;
   DeviceWalls<Exec> device_walls_;
@@ -733,9 +773,13 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<Vec3d> built_at_, located_;  // positions when the lists were built, and for the next lists [m]
   std::vector<particles::BodyPose> built_poses_;
   Buffer<particles::BodyPose> built_pose_;
-  bool built_ = false;      // lists are those of built_at_
-  WayBound way_;            // of particles since then
-  bool keeps_all_ = false;  // a particle outside the domain is an error
+  bool built_ = false;    // lists are those of built_at_
+  Vec3d drift_;           // of the vessel since then, at the last sums [m]
+  Vec3d frame_;           // velocity of the vessel at the last sums [m/s]
+  double holds_for_ = 0;  // particles stay within their skins for this time from the last sums on [s]
+  Buffer<float> skin_, near_skin_, largest_;  // see Reaches, and LargestInCell
+  float skin_of_walls_ = 0;                   // [m]
+  bool keeps_all_ = false;                    // a particle outside the domain is an error
   LostParticles lost_;
   Buffer<OutletRegion> outlets_;                            // see take_out()
   Buffer<std::uint32_t> before_;                            // how many beside walls precede each particle
@@ -789,6 +833,7 @@ class LiquidEngineOf final : public LiquidEngine {
     std::size_t count = 0;
     Memory memory;
     Buffer<Vec3d> built_at;
+    Buffer<float> skin;
   } saved_;
 };
 

@@ -37,6 +37,7 @@ void LiquidEngineOf<Exec, Real, shifting>::save() {
   Memory::each([this](const char*, const auto& now, auto& saved) { exec_.copy(now, saved); }, memory_,
                saved_.memory);
   exec_.copy(built_at_, saved_.built_at);
+  exec_.copy(skin_, saved_.skin);
 }
 
 // The lists are built anew, from the positions that they had.
@@ -48,6 +49,7 @@ void LiquidEngineOf<Exec, Real, shifting>::restore() {
   Memory::each([this](const char*, auto& now, const auto& saved) { exec_.copy(saved, now); }, memory_,
                saved_.memory);
   exec_.copy(saved_.built_at, built_at_);
+  exec_.copy(saved_.skin, skin_);
   use_saved_lists();
 }
 
@@ -57,7 +59,6 @@ void LiquidEngineOf<Exec, Real, shifting>::use_saved_lists() {
   build_lists();
   place_walls(poses_);
   built_ = true;
-  way_.forget();
 }
 
 // Arrays without an element, as those of bodies without walls, are in no file.
@@ -71,6 +72,9 @@ void LiquidEngineOf<Exec, Real, shifting>::write(const Sink& sink) const {
   std::vector<Vec3d> built_at(count_);
   if (count_ > 0) exec_.download(built_at_, std::span(built_at));
   give("built_at", built_at);
+  std::vector<float> skin(count_);
+  if (count_ > 0) exec_.download(skin_, std::span(skin));
+  give("skin", skin);
   each_value(*this, give);
 }
 
@@ -91,9 +95,14 @@ void LiquidEngineOf<Exec, Real, shifting>::read(const Source& source, std::size_
   Host::each(take, host);
   std::vector<Vec3d> built_at(particles);
   take("built_at", built_at);
+  std::vector<float> skin(particles);
+  take("skin", skin);
   each_value(*this, take);
   upload(host);
-  if (particles > 0) exec_.upload(built_at_, std::span<const Vec3d>(built_at));
+  if (particles > 0) {
+    exec_.upload(built_at_, std::span<const Vec3d>(built_at));
+    exec_.upload(skin_, std::span<const float>(skin));
+  }
   use_saved_lists();
 }
 

@@ -54,28 +54,6 @@ struct AddTotals {
   }
 };
 
-// How far particles are from where they were when the lists were built, relative to the vessel.
-struct Farthest {
-  double squared = 0;  // [m2]
-  // A value that is not a number remains: such a position is refused when the lists are built.
-  TANDEM_HD void add(const Farthest& b) {
-    if (!(b.squared <= squared) && squared == squared) squared = b.squared;
-  }
-};
-
-template <class Real>
-struct Move {
-  Advance<Real> advance;
-  const Vec3d* built_at = nullptr;  // [m]
-  Vec3d drift;                      // of the vessel since then [m]
-
-  TANDEM_HD void operator()(std::uint32_t i, Farthest& farthest) const {
-    advance(i);
-    const Vec3d x = advance.centres.metres(
-        advance.centres.joined(advance.liquid.position[i], advance.liquid.fine_part(i)));
-    farthest.add({norm2(advance.periods.shortest(x - built_at[i] - drift))});
-  }
-};
 // From the particle with the number `first` on.
 template <class Real>
 struct UpdateState {

@@ -8,6 +8,7 @@
 #include "particles/grid/cell_grid.hpp"
 #include "sph_server/neighbours/apart.hpp"
 #include "sph_server/neighbours/neighbour.hpp"
+#include "sph_server/neighbours/skin.hpp"
 #include "sph_server/neighbours/walls_view.hpp"
 
 namespace tandem::sph {
@@ -25,16 +26,16 @@ struct ListView {
 // threads of the group call it together, also for entries that do not exist. by_warps: on a GPU a warp has
 // one particle, otherwise a thread.
 
-// The facets with a point within `reach` [m] of particle i.
+// The facets with a point within the reach of particle i.
 struct FindFacets {
   static constexpr bool by_warps = false;
   WallsView walls;
   const Vec3d* x = nullptr;  // positions [m]
-  double reach = 0;
+  Reaches reaches;
 
   template <class Each>
   TANDEM_HD void operator()(std::uint32_t i, particles::OneThread, Each each) const {
-    walls.for_near(x[i], reach, [&](std::uint32_t number) {
+    walls.for_near(x[i], reaches.to_facets(i), [&](std::uint32_t number) {
       each(number, true);
       return true;
     });
@@ -48,8 +49,8 @@ struct MeasureFacets {
   ListView<std::uint32_t> facets;
   const std::uint32_t* particle = nullptr;  // of each entry
   const Vec3d* x = nullptr;                 // [m]
-  double reach = 0;                         // [m]
-  float* distance = nullptr;                // of each entry
+  Reaches reaches;
+  float* distance = nullptr;  // of each entry
 
   // Rounded down, and less than of any facet that is not in the list.
   TANDEM_HD static float at_least(double distance, double margin) {
@@ -57,20 +58,22 @@ struct MeasureFacets {
   }
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const particles::Facet& f = walls.facet[facets.entry[entry]];
+    const std::uint32_t i = particle[entry];
+    const double reach = reaches.to_facets(i);
     particles::WallContact contact;
-    const bool near =
-        particles::touch_triangle(f, walls.into_body(f.body, x[particle[entry]]), reach, contact);
+    const bool near = particles::touch_triangle(f, walls.into_body(f.body, x[i]), reach, contact);
     distance[entry] = at_least(near ? contact.gap + reach : reach, walls.margin);
   }
 };
 struct FindClearance {
   ListView<std::uint32_t> facets;
   const float* distance = nullptr;  // of each entry
-  float most = 0;                   // that of a particle without facets
-  float* clearance = nullptr;       // least of the distances of each particle
+  Reaches reaches;
+  double margin = 0;           // see MeasureFacets [m]
+  float* clearance = nullptr;  // least of the distances of each particle
 
   TANDEM_HD void operator()(std::uint32_t i) const {
-    float least = most;
+    float least = MeasureFacets::at_least(reaches.to_facets(i), margin);
     for (std::uint32_t n = facets.start[i]; n < facets.start[i + 1]; ++n)
       least = std::fmin(least, distance[n]);
     clearance[i] = least;
@@ -93,25 +96,31 @@ struct CellOfParticle {
   }
 };
 
-// Positions in the order of cells, so that the threads that compare them load them together.
+// Positions in the order of cells, so that the threads that compare them load them together. Their radius is
+// the skin.
 template <class Real>
 struct PlaceInCells {
   particles::CentreUnit<Real> centres;
+  particles::LengthUnit<Real> unit;
+  const float* skin = nullptr;                   // [m]
   const Vec3d* x = nullptr;                      // [m]
   const std::uint32_t* cell_particle = nullptr;  // by cell, ascending
   Position<Real>* position = nullptr;            // of each of these
 
   TANDEM_HD void operator()(std::uint32_t k) const {
-    position[k] = position_of(centres, x[cell_particle[k]]);
+    const std::uint32_t i = cell_particle[k];
+    position[k] = position_of(centres, x[i]);
+    position[k].radius = unit.count(static_cast<double>(skin[i]));
   }
 };
 
-// The particles within `reach` [m] of particle i that it sees: no wall is between them.
+// The particles that are nearer to particle i than the support and the skins of both, and that it sees: no
+// wall is between them.
 template <class Real>
 struct FindNeighbours {
   static constexpr bool by_warps = true;
   particles::CellGrid grid;
-  Vec3f edge;             // of a cell [reach]
+  Vec3f edge;             // of a cell [m]
   std::int32_t span = 1;  // cells that the reach spans, 1 or 2
   Apart<Real> apart;
   particles::CentreUnit<Real> centres;
@@ -120,7 +129,7 @@ struct FindNeighbours {
   const std::uint32_t* cell_particle = nullptr;  // by cell, ascending
   const Position<Real>* position = nullptr;      // of each of these
   const Vec3d* x = nullptr;                      // positions [m]
-  double reach = 0;
+  Reaches reaches;
   WallsView walls;
   ListView<std::uint32_t> facets;    // near each particle
   const float* distance = nullptr;   // see MeasureFacets
@@ -128,9 +137,10 @@ struct FindNeighbours {
 
   template <class Group, class Each>
   TANDEM_HD void operator()(std::uint32_t i, Group group, Each each) const {
-    const Row row(*this, x[i]);
-    const Position<Real> here = position_of(centres, x[i]);
-    const Real reach2 = static_cast<Real>(reach * reach);
+    const Row row(*this, i);
+    Position<Real> here = position_of(centres, x[i]);
+    here.radius = apart.unit.count(static_cast<double>(reaches.skin[i]));
+    const Real support = static_cast<Real>(reaches.support);
     const auto across = static_cast<std::uint32_t>(2 * span + 1), runs = runs_of_row();
     group.for_each(
         across * across * runs, [&](std::uint32_t k) { return row.run(k / runs, k % runs); },
@@ -139,8 +149,11 @@ struct FindNeighbours {
           std::uint32_t j = i;
           if (exists) {
             j = cell_particle[n];
-            const Real apart2 = norm2(apart(here, position[n], image));
-            exists = j != i && apart2 < reach2 && is_neighbour(i, j, static_cast<float>(apart2), image);
+            const Position<Real> there = position[n];
+            const Real apart2 = norm2(apart(here, there, image)),
+                       reach = support + apart.unit.metres(here.radius + there.radius);
+            exists =
+                j != i && apart2 < reach * reach && is_neighbour(i, j, static_cast<float>(apart2), image);
           }
           each(Neighbour(j, image), exists);
         });
@@ -152,24 +165,28 @@ struct FindNeighbours {
     const FindNeighbours& find;
     std::int32_t home[3];
     float in_home[3];
+    float reach2;  // with a margin for rounding [m2]
 
-    TANDEM_HD Row(const FindNeighbours& f, Vec3d here) : find(f) {
+    TANDEM_HD Row(const FindNeighbours& f, std::uint32_t i) : find(f) {
+      const Vec3d here = f.x[i];
+      const double reach = f.reaches.to_neighbours(i);
+      reach2 = 1.0001F * static_cast<float>(reach * reach);
       for (int a = 0; a < 3; ++a) {
         home[a] = f.grid.along(here[a], a);
         in_home[a] = static_cast<float>((here[a] - f.grid.origin[a]) * f.grid.inverse_cell[a] - home[a]);
       }
     }
-    // Of the particle from the cells at this offset, along one axis [reach].
+    // Of the particle from the cells at this offset, along one axis [m].
     TANDEM_HD float gap(int axis, std::int32_t offset) const {
       const float low = static_cast<float>(offset), from = in_home[axis];
       return find.edge[axis] * std::fmax(0.0F, std::fmax(low - from, from - (low + 1)));
     }
-    // Run `part` of a row: cells that hold particles within the reach, with a margin for rounding.
+    // Run `part` of a row: cells that hold particles within the reach.
     TANDEM_HD particles::Run run(std::uint32_t row, std::uint32_t part) const {
       const auto span = find.span, across = 2 * span + 1;
       const std::int32_t dy = static_cast<std::int32_t>(row) % across - span,
                          dz = static_cast<std::int32_t>(row) / across - span;
-      const float y = gap(1, dy), z = gap(2, dz), left = 1.0001F - (y * y + z * z);
+      const float y = gap(1, dy), z = gap(2, dz), left = reach2 - (y * y + z * z);
       if (left < 0) return {};
       std::int32_t cell_y = home[1] + dy, cell_z = home[2] + dz;
       particles::Image image = 0;
@@ -224,6 +241,7 @@ struct FindNeighbours {
     const bool far_cells = grid.apart2 > 0;
     if (!far_cells && (length < clearance[i] || length < clearance[i] + clearance[j])) return true;
     const Vec3d from = x[i] - shift_of(image), d = x[j] - from;
+    const double reach = reaches.to_neighbours(i);
     if (far_cells && norm2(d) > 2 * reach * reach) return false;
     if (length < clearance[i] + clearance[j]) return true;
     return !walls.between(facets.entry + facets.start[i], facets.entry + facets.start[i + 1],

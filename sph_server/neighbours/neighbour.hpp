@@ -8,9 +8,6 @@
 
 namespace tandem::sph {
 
-// How much farther lists reach than the support, so that they serve for many steps.
-inline constexpr double list_skin = 0.3;  // [spacings]
-
 // A neighbour and the period by which it is shifted: 26 bits of index, 6 bits of particles::Image.
 class Neighbour {
  public:

@@ -110,4 +110,12 @@ double Walls::moved_from(const std::vector<particles::BodyPose>& poses_then) con
   return most;
 }
 
+double Walls::largest_speed(Vec3d frame) const {
+  double most = 0;
+  for (std::uint32_t body = 0; body < bodies(); ++body)
+    for (const Vec3d& corner : corners_[body])
+      most = std::max(most, norm(poses_[body].v + cross(poses_[body].w, poses_[body].R * corner) - frame));
+  return most;
+}
+
 }  // namespace tandem::sph

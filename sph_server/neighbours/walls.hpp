@@ -38,6 +38,8 @@ class Walls {
   bool between(Vec3d x, Vec3d y) const { return view().between(x, y); }
   // Bound of how far any facet is from where it was with these poses [m].
   double moved_from(const std::vector<particles::BodyPose>& poses_then) const;
+  // Bound of the speed of any facet relative to `frame` [m/s].
+  double largest_speed(Vec3d frame) const;
 
   const std::vector<particles::Facet>& facets() const { return facets_; }
   double margin() const { return margin_; }  // see crosses() [m]

@@ -91,6 +91,11 @@ struct WallsView {
     }
   }
 
+  // False: no facet of the body has a point within the reach of x.
+  TANDEM_HD bool may_be_near(std::uint32_t body, Vec3d x) const {
+    return near(body, into_body(body, x)).count > 0;
+  }
+
   // Is a facet between two points, less than the reach apart? The answer for (x, y) is that for (y, x).
   TANDEM_HD bool between(Vec3d x, Vec3d y) const {
     put_in_order(x, y);

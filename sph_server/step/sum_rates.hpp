@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "sph_server/equations/spray.hpp"
+#include "sph_server/neighbours/skin.hpp"
 #include "sph_server/step/pair_sums.hpp"
 #include "sph_server/step/wall_sums.hpp"
 
@@ -22,6 +23,13 @@ struct SumRates {
   double peak = 0;            // W(0) [1/m3]
   double inverse_sound2 = 0;  // 1/c0^2 [s2/m2]
   Vec3d frame;                // velocity relative to which speeds count [m/s]
+  // Of the lists: where particles were, how far the frame has moved since, and the skins.
+  particles::CentreUnit<Real> centres;
+  particles::Periods periods;
+  const Vec3d* built_at = nullptr;  // [m]
+  Vec3d drift;                      // [m]
+  const float* skin = nullptr;      // [m]
+  double spare = 0;                 // part of the skins for what is not known here [m]
 
   template <class Bodies>
   TANDEM_HD void operator()(std::uint32_t i, Tally& tally, Bodies&) const {
@@ -67,6 +75,20 @@ struct SumRates {
     if constexpr (shifting)
       liquid.shift[i] =
           shift_velocity(properties, sum.crowding, wall.surface, neighbours + own + wall.shadow);
+    // The next step extrapolates the acceleration by the whole of its last change at most.
+    const double change = norm(acceleration - liquid.acceleration[1][i]);
+    tally.stays_for(time_within(skin[i] - spare, moved(i), std::sqrt(speed2) + shift_speed(i),
+                                norm(acceleration) + change));
+  }
+
+ private:
+  TANDEM_HD double moved(std::uint32_t i) const {
+    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    return norm(periods.shortest(x - built_at[i] - drift));
+  }
+  TANDEM_HD double shift_speed(std::uint32_t i) const {
+    if constexpr (shifting) return norm(liquid.shift[i].template as<double>());
+    return 0;
   }
 };
 

@@ -32,6 +32,7 @@ struct Tally {
   std::uint32_t fast = 0, dense = 0;
   std::int64_t fast_mach2 = 0, dense_compression2 = 0;
   double largest_speed2 = 0, largest_acceleration2 = 0, largest_compression = 0;
+  double holds_for = 1e300;  // all particles stay within their skins for this time at least [s]
   std::uint32_t crowded_by_facets = 0;
   std::uint32_t burst = 0;  // see PairSums
 
@@ -43,6 +44,9 @@ struct Tally {
     keep(largest_speed2, speed2);
     keep(largest_acceleration2, acceleration2);
     keep(largest_compression, compression);
+  }
+  TANDEM_HD void stays_for(double time) {
+    if (!(time >= holds_for) && holds_for == holds_for) holds_for = time;
   }
   // Counts a particle with the square of its Mach number and its |rho/rho0 - 1| where they exceed the limits.
   TANDEM_HD void judge(double mach2, double compression, particles::Quantum of_squares) {
@@ -63,6 +67,7 @@ struct Tally {
     for (int p = 0; p < powers; ++p) power[p] += b.power[p];
     for (int a = 0; a < 3; ++a) momentum_rate[a] += b.momentum_rate[a];
     observe(b.largest_speed2, b.largest_acceleration2, b.largest_compression);
+    stays_for(b.holds_for);
     crowded_by_facets += b.crowded_by_facets;
     burst |= b.burst;
   }

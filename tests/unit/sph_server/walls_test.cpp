@@ -85,23 +85,24 @@ TEST(NeighbourList, EndsAtASheet) {
   exec.sort_into_cells(n, grid.total, CellOfParticle{grid, x.data()}, key.data(), scratch.data(), cell_start,
                        in_cell);
   List<CpuExec, std::uint32_t> facets;
-  exec.build_list(n, FindFacets{walls.view(), x.data(), 0.5}, facets);
-  const float apart = MeasureFacets::at_least(0.5, walls.margin());
+  const std::vector<float> skin(n, 0);
+  const Reaches reaches{0.5, skin.data(), skin.data(), 0};
+  exec.build_list(n, FindFacets{walls.view(), x.data(), reaches}, facets);
   std::vector<std::uint32_t> particle(facets.total);
   std::vector<float> distance(facets.total), clearance(n);
   exec.for_each(n, NameParticles{facets.view(), particle.data()});
-  exec.for_each(facets.total,
-                MeasureFacets{walls.view(), facets.view(), particle.data(), x.data(), 0.5, distance.data()});
-  exec.for_each(n, FindClearance{facets.view(), distance.data(), apart, clearance.data()});
+  exec.for_each(facets.total, MeasureFacets{walls.view(), facets.view(), particle.data(), x.data(), reaches,
+                                            distance.data()});
+  exec.for_each(n, FindClearance{facets.view(), distance.data(), reaches, walls.margin(), clearance.data()});
   EXPECT_NEAR(clearance[0], 0.1, 2e-5);
   EXPECT_NEAR(clearance[3], std::hypot(0.05, 0.1), 2e-5) << "from the edges of the hole";
   EXPECT_LT(clearance[3], std::hypot(0.05, 0.1));
   List<CpuExec, Neighbour> list;
   std::vector<Position<double>> position(n);
-  exec.for_each(n, PlaceInCells<double>{{}, x.data(), in_cell.data(), position.data()});
+  exec.for_each(n, PlaceInCells<double>{{}, {}, skin.data(), x.data(), in_cell.data(), position.data()});
   exec.build_list(n,
                   FindNeighbours<double>{grid,
-                                         grid.edge(0.5),
+                                         grid.edge(1),
                                          1,
                                          {},
                                          {},
@@ -110,7 +111,7 @@ TEST(NeighbourList, EndsAtASheet) {
                                          in_cell.data(),
                                          position.data(),
                                          x.data(),
-                                         0.5,
+                                         reaches,
                                          walls.view(),
                                          facets.view(),
                                          distance.data(),
@@ -122,10 +123,11 @@ TEST(NeighbourList, EndsAtASheet) {
   EXPECT_EQ(list.entry.data()[2].index(), 4u);
 }
 
-// Lists of random particles in domains of some cells, periodic along some axes, against all pairs.
+// Lists of random particles with skins of their own in domains of some cells, periodic along some axes,
+// against all pairs.
 template <class Real>
 void expect_lists_of_all_pairs(int span, Vec3d size, Vec3<bool> periodic, double largest_cell = 0) {
-  constexpr double reach = 0.3;
+  constexpr double reach = 0.3, support = 0.22, widest = 0.04;
   scene::Box domain{{-0.2, 0.1, 3}, Vec3d{-0.2, 0.1, 3} + size};
   particles::Periods periods;
   periods.min = domain.min;
@@ -149,16 +151,21 @@ void expect_lists_of_all_pairs(int span, Vec3d size, Vec3<bool> periodic, double
   exec.sort_into_cells(n, grid.total, CellOfParticle{grid, x.data()}, key.data(), scratch.data(), cell_start,
                        in_cell);
   std::vector<Position<Real>> position(n);
-  exec.for_each(n, PlaceInCells<Real>{centres, x.data(), in_cell.data(), position.data()});
+  std::vector<float> skin(n), near_skin(n), largest(grid.total);
+  for (float& s : skin) s = static_cast<float>(std::uniform_real_distribution<double>(0, widest)(random));
+  exec.for_each(grid.total, LargestInCell{cell_start.data(), in_cell.data(), skin.data(), largest.data()});
+  exec.for_each(n, FindNearSkin{{grid, x.data(), largest.data()}, span, near_skin.data()});
+  const Reaches reaches{support, skin.data(), near_skin.data(), 0};
+  exec.for_each(n, PlaceInCells<Real>{centres, unit, skin.data(), x.data(), in_cell.data(), position.data()});
   const std::vector<float> clearance(n, 1);  // no walls
   const Walls none({}, reach);
   List<CpuExec, std::uint32_t> facets;
-  exec.build_list(n, FindFacets{none.view(), x.data(), reach}, facets);
+  exec.build_list(n, FindFacets{none.view(), x.data(), reaches}, facets);
   List<CpuExec, Neighbour> list;
   exec.build_list(n,
-                  FindNeighbours<Real>{grid, grid.edge(reach), span, apart, centres, periods,
-                                       cell_start.data(), in_cell.data(), position.data(), x.data(), reach,
-                                       none.view(), facets.view(), nullptr, clearance.data()},
+                  FindNeighbours<Real>{grid, grid.edge(1), span, apart, centres, periods, cell_start.data(),
+                                       in_cell.data(), position.data(), x.data(), reaches, none.view(),
+                                       facets.view(), nullptr, clearance.data()},
                   list);
   for (std::uint32_t i = 0; i < n; ++i) {
     std::multiset<std::uint32_t> found, expected;
@@ -170,10 +177,11 @@ void expect_lists_of_all_pairs(int span, Vec3d size, Vec3<bool> periodic, double
         if (neighbour.image() & particles::image_above(a)) d[a] -= periods.length[a];
         if (neighbour.image() & particles::image_below(a)) d[a] += periods.length[a];
       }
-      EXPECT_LT(norm(d), reach) << "the image of " << neighbour.index() << " that " << i << " lists";
+      EXPECT_LT(norm(d), support + skin[i] + skin[neighbour.index()])
+          << "the image of " << neighbour.index() << " that " << i << " lists";
     }
     for (std::uint32_t j = 0; j < n; ++j)
-      if (j != i && norm(periods.shortest(x[i] - x[j])) < reach) expected.insert(j);
+      if (j != i && norm(periods.shortest(x[i] - x[j])) < support + skin[i] + skin[j]) expected.insert(j);
     EXPECT_EQ(found, expected) << "of particle " << i;
   }
 }
@@ -222,6 +230,27 @@ TEST(Walls, HideWhatOfALidIsOutsideARoundVessel) {
   }
 }
 
+// A particle stays within its skin for a time: the root of moved + v t + a t^2 / 2 = skin.
+TEST(Skin, HoldsForTheTimeInWhichItMayBeLeft) {
+  const double time = time_within(0.3, 0.1, 2, 5);
+  EXPECT_NEAR(0.1 + 2 * time + 2.5 * time * time, 0.3, 1e-15);
+  EXPECT_EQ(time_within(0.3, 0.3, 2, 5), 0);
+  EXPECT_GT(time_within(0.3, 0, 0, 0), 1e300) << "at rest";
+  EXPECT_TRUE(std::isnan(time_within(0.3, 0, std::nan(""), 0)));
+}
+
+TEST(Skin, FollowsTheSpeedBetweenTwoBounds) {
+  Liquid l;
+  l.spacing = 0.1;
+  l.sound_speed = 20;
+  const SkinRule rule = SkinRule::of(l, 1e300);
+  EXPECT_FLOAT_EQ(rule.at_speed(0), 0.005F);
+  EXPECT_FLOAT_EQ(rule.at_speed(0.5), static_cast<float>(0.005 + 0.5 * 8 * 0.25 * l.h() / 20));
+  EXPECT_FLOAT_EQ(rule.at_speed(2), 0.03F);
+  // Three times the reach fit into the shortest period.
+  EXPECT_NEAR(3 * (l.support() + 2 * SkinRule::of(l, 0.99).widest), 0.99, 1e-15);
+}
+
 // Lists of neighbours hold until walls have moved by the skin: a shaft that spins moves by its radius, not by
 // its length.
 TEST(Walls, HaveMovedAsFarAsTheirFarthestPoint) {
@@ -238,6 +267,8 @@ TEST(Walls, HaveMovedAsFarAsTheirFarthestPoint) {
   EXPECT_NEAR(turned({0, 0, 1}), chord * std::hypot(length / 2, edge / 2), 1e-12);
   walls.set_pose(0, {start.p + Vec3d{0.3, 0.4, 0}, Mat3d::identity(), {}, {}});
   EXPECT_NEAR(walls.moved_from({start}), 0.5, 1e-12);
+  walls.set_pose(0, {start.p, Mat3d::identity(), {1, 2, 0}, {0, 0, 3}});
+  EXPECT_NEAR(walls.largest_speed({1, 2, 0}), 3 * std::hypot(length / 2, edge / 2), 1e-12);
 }
 
 }  // namespace

@@ -218,7 +218,8 @@ AtEdge fly_at_edge(double offset, Vec3d velocity, double compression) {
   start.compression = {compression};
   engine->set_state(start);
   AtEdge found;
-  for (int k = 0; k < 150; ++k) {
+  // Until it is 2.2 spacings from the sheet.
+  for (int k = 0; k < 100; ++k) {
     const StepFigures f = engine->figures();
     engine->step(step_limits(l, f.largest_speed, f.largest_acceleration).smallest);
     const Vec3d push = -engine->loads()[0].force;
