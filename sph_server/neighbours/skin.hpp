@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "common/error.hpp"
+#include "common/scene/fault.hpp"
 #include "particles/geometry/periods.hpp"
 #include "particles/grid/cell_grid.hpp"
 #include "particles/state/centre.hpp"
@@ -21,18 +23,27 @@ struct SkinRule {
   double least = 0, widest = 0;  // [m]
   double time = 0;               // for which lists are to serve [s]
 
-  // Along the shortest period [m], which is at least three times the support and `widest_skin`, two skins
-  // fit; without a period it is infinite.
-  static SkinRule of(const Liquid& l, double shortest_period) {
-    constexpr double steps = 8;  // of the longest ones
-    return {least_skin * l.spacing,
-            std::fmin(widest_skin * l.spacing, 0.5 * (shortest_period / 3 - l.support())),
-            steps * step_limits(l, 0, 0).sound};
-  }
+  // shortest_period: along an axis of the domain, infinite without one [m]. Error{scene} where it is so short
+  // that lists would have a particle twice. Wide skins need three times the reach: cells are as large as the
+  // reach in vast domains, and a period has three at least.
+  static SkinRule of(const Liquid& l, double shortest_period);
   TANDEM_HD float at_speed(double speed) const {
     return static_cast<float>(std::fmin(widest, least + time * speed));
   }
 };
+
+inline SkinRule SkinRule::of(const Liquid& l, double shortest_period) {
+  constexpr double steps = 8;  // of the longest ones
+  const double R = l.support(), half_reach = 0.5 * (shortest_period / 2 - R),
+               third_reach = 0.5 * (shortest_period / 3 - R);
+  const double widest = std::fmin(
+      widest_skin * l.spacing, std::fmax(third_reach, std::fmin(0.5 * widest_skin * l.spacing, half_reach)));
+  if (!(widest >= least_skin * l.spacing))
+    throw Error(ErrorCode::scene,
+                "the domain is " + scene::rounded(shortest_period) + " m long along a periodic axis",
+                "domain", "give it " + scene::rounded(2 * (R + 2 * least_skin * l.spacing)) + " m or more");
+  return {least_skin * l.spacing, widest, steps * step_limits(l, 0, 0).sound};
+}
 
 // How far the lists of each particle reach.
 struct Reaches {

@@ -247,8 +247,20 @@ TEST(Skin, FollowsTheSpeedBetweenTwoBounds) {
   EXPECT_FLOAT_EQ(rule.at_speed(0), 0.005F);
   EXPECT_FLOAT_EQ(rule.at_speed(0.5), static_cast<float>(0.005 + 0.5 * 8 * 0.25 * l.h() / 20));
   EXPECT_FLOAT_EQ(rule.at_speed(2), 0.03F);
-  // Three times the reach fit into the shortest period.
-  EXPECT_NEAR(3 * (l.support() + 2 * SkinRule::of(l, 0.99).widest), 0.99, 1e-15);
+}
+
+// Three times the reach fit into a period for wide skins, and twice the reach always.
+TEST(Skin, FitsIntoThePeriod) {
+  Liquid l;
+  l.spacing = 0.1;
+  l.sound_speed = 20;
+  const double R = l.support();
+  EXPECT_DOUBLE_EQ(SkinRule::of(l, 1.08).widest, 0.03);
+  EXPECT_NEAR(3 * (R + 2 * SkinRule::of(l, 1.05).widest), 1.05, 1e-15);
+  EXPECT_DOUBLE_EQ(SkinRule::of(l, 0.7).widest, 0.015);
+  EXPECT_NEAR(2 * (R + 2 * SkinRule::of(l, 0.64).widest), 0.64, 1e-15);
+  EXPECT_EQ(error_of([&] { SkinRule::of(l, 0.61); }),
+            "scene: domain: the domain is 0.61 m long along a periodic axis (give it 0.62 m or more)");
 }
 
 // Lists of neighbours hold until walls have moved by the skin: a shaft that spins moves by its radius, not by
