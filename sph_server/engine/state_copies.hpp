@@ -56,6 +56,7 @@ void LiquidEngineOf<Exec, Real, shifting>::restore() {
 template <class Exec, class Real, bool shifting>
 void LiquidEngineOf<Exec, Real, shifting>::use_saved_lists() {
   place_walls(built_poses_);
+  sort_into_cells(built_at_);
   build_lists();
   place_walls(poses_);
   built_ = true;

@@ -3,6 +3,7 @@
 
 #include "sph_server/engine/cell_order.hpp"
 #include "sph_server/engine/exchange.hpp"
+#include "sph_server/engine/lists.hpp"
 #include "sph_server/engine/lost.hpp"
 #include "sph_server/engine/state_copies.hpp"
 
