@@ -106,8 +106,8 @@ void LiquidEngineOf<Exec, Real, shifting>::build_lists() {
   exec_.for_each(count(),
                  FindClearance{facets_.view(), distance_.data(), reaches, walls.margin, clearance_.data()});
   exec_.grow(position_in_cell_, count_);
-  exec_.for_each(count(), PlaceInCells<Real>{centres_, unit_, skin_.data(), built_at_.data(),
-                                             in_cell_.data(), position_in_cell_.data()});
+  exec_.for_each(count(), PlaceInCells<Real>{centres_, unit_, skin_.data(), built_at_.data(), in_cell_.data(),
+                                             position_in_cell_.data()});
   exec_.build_list(
       count(),
       FindNeighbours<Real>{grid_, grid_.edge(1), cells_of_reach_, pairs_.apart, centres_, setup_.periods,
@@ -127,8 +127,9 @@ void LiquidEngineOf<Exec, Real, shifting>::build_lists() {
 // Marks numbers below n, and lists them, ascending. before: how many marks precede each number (n + 1).
 template <class Exec, class Real, bool shifting>
 template <class Mark>
-std::uint32_t LiquidEngineOf<Exec, Real, shifting>::list_marked(std::uint32_t n, Mark mark, Buffer<std::uint32_t>& before,
-                          Buffer<std::uint32_t>& list) {
+std::uint32_t LiquidEngineOf<Exec, Real, shifting>::list_marked(std::uint32_t n, Mark mark,
+                                                                Buffer<std::uint32_t>& before,
+                                                                Buffer<std::uint32_t>& list) {
   exec_.grow(before, std::size_t{n} + 1);
   exec_.zero(before, std::size_t{n} + 1);
   mark.mark = before.data();
@@ -153,9 +154,9 @@ void LiquidEngineOf<Exec, Real, shifting>::list_beside_walls() {
   exec_.exclusive_sum(class_, places);
   exec_.for_each(beside_walls_, ListByClass{by_facets, class_.data(), beside_wall_.data()});
   if (walls_.bodies() > 1)  // whose edges may meet
-    between_bodies_ = list_marked(facets_.total,
-                                  MarkBetweenBodies{facets_.view(), particle_.data(), device_walls_.view()},
-                                  between_before_, between_);
+    between_bodies_ =
+        list_marked(facets_.total, MarkBetweenBodies{facets_.view(), particle_.data(), device_walls_.view()},
+                    between_before_, between_);
 }
 
 }  // namespace tandem::sph
