@@ -25,6 +25,14 @@ bool is_of_free_bodies(const Model& model, std::size_t free) {
          model.joint_forces.empty() && model.breaks.empty() && model.inputs == 0;
 }
 
+// Link `b` of `to` gets the place and the rates of link `a` of `from`.
+void copy_link(const State& from, const Link& a, State& to, const Link& b) {
+  const int n = coordinates(a.kind);
+  to.q.segment(b.q, n) = from.q.segment(a.q, n);
+  for (VectorXd State::*rates : {&State::u, &State::udot, &State::a, &State::udot_rate})
+    (to.*rates).segment<3>(b.u) = (from.*rates).segment<3>(a.u);
+}
+
 // Largest rate of a point of the shape [m/s].
 double rate_of(const ContactShape& shape, const std::vector<LinkMotion>& links) {
   if (shape.link == 0) return 0;
@@ -246,13 +254,7 @@ void ContactIslands::gather(const State& state, Island& island) const {
     for (int i = 0; i < 2; ++i) {
       const Link &from = model_.links[i == 0 ? b.translation : b.rotation],
                  &to = island.model.links[2 * k + i + 1];
-      const int n = coordinates(from.kind);
-      own.q.segment(to.q, n) = state.q.segment(from.q, n);
-      const auto copy = [&](const VectorXd& all, VectorXd& part) {
-        part.segment<3>(to.u) = all.segment<3>(from.u);
-      };
-      copy(state.u, own.u), copy(state.udot, own.udot), copy(state.a, own.a),
-          copy(state.udot_rate, own.udot_rate);
+      copy_link(state, from, own, to);
       if (const double step = state.island_steps(0, body); step > own.step && own.step > 0)
         own.a.segment<3>(to.u) +=
             (c.alpha_m - c.alpha_f) * (own.step - step) * own.udot_rate.segment<3>(to.u);
@@ -377,14 +379,8 @@ void ContactIslands::scatter(const Island& island, State& state) {
     for (int i = 0; i < 2; ++i) {
       const Link &to = model_.links[i == 0 ? b.translation : b.rotation],
                  &from = island.model.links[2 * k + i + 1];
-      const int n = coordinates(from.kind);
-      state.q.segment(to.q, n) = own.q.segment(from.q, n);
-      const auto copy = [&](const VectorXd& part, VectorXd& all) {
-        all.segment<3>(to.u) = part.segment<3>(from.u);
-      };
-      copy(own.u, state.u), copy(own.udot, state.udot), copy(own.a, state.a),
-          copy(own.udot_rate, state.udot_rate);
-      copy(island.errors, local_errors_);
+      copy_link(own, from, state, to);
+      local_errors_.segment<3>(to.u) = island.errors.segment<3>(from.u);
     }
     state.island_steps(0, body) = own.step;
     state.island_steps(1, body) = own.touch_step[0];

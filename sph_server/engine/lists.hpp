@@ -8,7 +8,8 @@
 
 namespace tandem::sph {
 
-// Writes the present positions to `located_`. Strays pass walls since the lists were built.
+// Writes the present positions to `located_`, and counts the particles that passed a wall since the lists
+// were built.
 template <class Exec, class Real, bool shifting>
 Strays LiquidEngineOf<Exec, Real, shifting>::locate_particles() {
   Locate<Real> locate;

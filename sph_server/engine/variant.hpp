@@ -5,6 +5,7 @@
 #include "sph_server/engine/exchange.hpp"
 #include "sph_server/engine/lists.hpp"
 #include "sph_server/engine/lost.hpp"
+#include "sph_server/engine/measured.hpp"
 #include "sph_server/engine/state_copies.hpp"
 
 namespace tandem::sph {
