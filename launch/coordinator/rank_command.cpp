@@ -30,16 +30,11 @@ void expect_program() {
 
 }  // namespace
 
-void expect_ranks(const RunOptions& options, const scene::Scene& scene, const ForeignServers& foreign) {
+void expect_ranks(const RunOptions& options) {
   if (options.ranks == 1) return;
   if (options.ranks < 1 || options.ranks > most_ranks)
     refuse(fmt::format("{} is no number of ranks", options.ranks),
            fmt::format("give 1 to {}; 1 is one process with threads", most_ranks));
-  if (!scene.dem)
-    refuse("the scene has no spheres, and only dem_server runs on several ranks", "leave --ranks out");
-  if (foreign.of(protocol::Role::dem))
-    refuse("several ranks are those of dem_server, and another program computes the spheres of this run",
-           "leave one of the two out");
   if (options.transport != Transport::shm || options.attach)
     refuse("several ranks are started from here and reached over shared memory so far",
            "leave --transport and --attach out");
@@ -49,12 +44,21 @@ void expect_ranks(const RunOptions& options, const scene::Scene& scene, const Fo
   if (options.checkpoint_every > 0 || !options.restart.empty())
     refuse("several ranks write and read no restart files yet",
            "leave --ranks out, or --checkpoint-every and --restart");
+  expect_program();
+}
+
+void expect_ranks(const RunOptions& options, const scene::Scene& scene, const ForeignServers& foreign) {
+  if (options.ranks == 1) return;
+  if (!scene.dem)
+    refuse("the scene has no spheres, and only dem_server runs on several ranks", "leave --ranks out");
+  if (foreign.of(protocol::Role::dem))
+    refuse("several ranks are those of dem_server, and another program computes the spheres of this run",
+           "leave one of the two out");
   if (scene.output.evaluates_contacts())
     refuse("several ranks do not send the contacts of spheres yet",
            "leave --ranks out, or output.contacts and the output.fields of contacts");
   if (scene.output.dissipation)
     refuse("several ranks do not sum the dissipated energy yet", "leave --ranks out, or output.dissipation");
-  expect_program();
 }
 
 Command start_of_ranks(unsigned ranks, const std::vector<std::string>& arguments) {

@@ -11,7 +11,9 @@
 
 namespace tandem::launch {
 
-// Throws Error{usage} where the ranks of `options` cannot compute this run, and says what to write instead.
+// Throws Error{usage} where the ranks of `options` cannot compute any run, and says what to write instead.
+void expect_ranks(const RunOptions& options);
+// The same where they cannot compute this one.
 void expect_ranks(const RunOptions& options, const scene::Scene& scene, const ForeignServers& foreign);
 
 // Starts so many ranks by mpirun; rank 0 gets the arguments of a server.

@@ -462,6 +462,7 @@ void print_end(const Summary& summary, const std::filesystem::path& folder) {
 
 int run(const RunOptions& given, Controller* controller) {
   RunOptions options = given;
+  expect_ranks(options);
   if (options.quiet) log::quiet();  // while spheres settle
   const SceneFile file =
       read_scene(options.scene, options.overrides,
