@@ -351,7 +351,7 @@ std::string Summary::table() const {
         dem.spheres ? fmt::format("{} spheres", *dem.spheres) : std::string("number of spheres unknown");
     if (dem.backend) particles += " on " + *dem.backend;
     if (dem.device) particles += " (" + *dem.device + ")";
-    if (number("ranks") > 1) particles += fmt::format(" on {} ranks", text_of(json_["ranks"]));
+    if (number("ranks") > 1) particles += fmt::format(", {} ranks", text_of(json_["ranks"]));
     for (const auto& word : {dem.variant, dem.precision})
       if (word) particles += ", " + *word;
     row("particles", particles);
