@@ -20,16 +20,15 @@ LiquidTotals LiquidEngineOf<Exec, Real, shifting>::totals() const {
                     scene::rounded(figures_.largest_speed) + " m/s, and one a density that is off by " +
                     scene::rounded(figures_.largest_compression),
                 "liquid", "give a larger sound_speed, or a smaller spacing of the liquid");
-  const TotalQuanta q = TotalQuanta::of(count_, figures_.largest_speed + norm(frame_velocity()),
-                                        figures_.largest_compression);
+  const TotalQuanta q =
+      TotalQuanta::of(count_, figures_.largest_speed + norm(frame_velocity()), figures_.largest_compression);
   const Totals t = exec_.template reduce<Totals>(count(), AddTotals<Real>{liquid_, q});
   LiquidTotals all;
   for (int a = 0; a < 3; ++a) all.momentum[a] = l.mass() * particles::from_fixed(t.momentum[a], q.velocity);
   all.kinetic = 0.5 * l.mass() * particles::from_fixed(t.kinetic, q.square);
-  all.compression =
-      l.mass() * l.sound_speed * l.sound_speed * particles::from_fixed(t.compression, q.energy);
-  all.volume = l.mass() / l.density *
-               (static_cast<double>(count_) + particles::from_fixed(t.expansion, q.expansion));
+  all.compression = l.mass() * l.sound_speed * l.sound_speed * particles::from_fixed(t.compression, q.energy);
+  all.volume =
+      l.mass() / l.density * (static_cast<double>(count_) + particles::from_fixed(t.expansion, q.expansion));
   return all;
 }
 
