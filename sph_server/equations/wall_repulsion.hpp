@@ -2,9 +2,11 @@
 // from how the particle came: one that comes along the plane of a sheet over its edge is on the sheet without
 // any pressure. Particles of a liquid at rest are half a spacing from walls and are not repelled.
 //
+// The push is damped and never pulls: a spring without damping would give a particle back some more than it
+// brought, by the error of the steps (docs/experiments/2026-11-sph-step.md).
+//
 // In a slit or a tip that is narrower than half a spacing a second wall repels as well: the nearest one alone
-// would push in turns to one side and to the other, which drives the particle through a wall in the end. Its
-// push is damped, since a particle never leaves such a place by itself.
+// would push in turns to one side and to the other, which drives the particle through a wall in the end.
 #pragma once
 
 #include <cmath>
@@ -27,6 +29,11 @@ struct WallRepulsion {
   // Along the line from the wall to the particle, at a distance below the range [m/s2].
   TANDEM_HD double acceleration(double distance) const { return stiffness * (range - distance); }
 
+  // Of the nearest wall, on a particle that moves away from it with this speed [m/s2].
+  TANDEM_HD double of_nearest(double distance, double away) const {
+    return std::fmax(0.0, acceleration(distance) - damping(distance, 0.5) * away);
+  }
+
   // Share of a second wall, with the directions from both walls to the particle, and whether the nearest
   // point of the second one is in the middle of a facet, along its normal [-]. Zero where both are one wall:
   // the rest of it, or the other side of an edge.
@@ -36,7 +43,7 @@ struct WallRepulsion {
                  opposite = part((-alike - 0.3) / 0.4);
     return part(1 - alike) * (upright > opposite ? upright : opposite);
   }
-  // Of the push of the second wall, with the share `share` of it: damping [1/s].
+  // Damping of the push of a wall, with the share `share` of it [1/s].
   TANDEM_HD double damping(double distance, double share) const {
     constexpr double ratio = 0.2;  // of a particle between two walls, to that without vibrations [-]
     return 2 * ratio * std::sqrt(2 * stiffness) * share * (range - distance) / range;

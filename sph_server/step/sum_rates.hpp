@@ -52,14 +52,16 @@ struct SumRates {
     const double filled = filled_room(neighbours, own, wall.shadow);
     const double by_motion = particles::from_fixed(sum.continuity + wall.continuity, quanta.rate),
                  by_diffusion = particles::from_fixed(sum.diffusion, quanta.rate);
-    const double by_closing = closing_rate(properties, compression, tension_share(filled));
+    const double whole = neighbours + own + wall.shadow;
+    const double by_return = closing_rate(properties, compression, tension_share(filled)) +
+                             crowding_rate(properties, compression, whole);
     const double elastic = elastic_pressure(properties, compression),
                  bulk = bulk_pressure(properties, compression, liquid.rate[1][i]);
     const double per_rate = elastic * volume / (1 + compression);
     tally.add(Power::bulk_viscosity, -bulk * volume * by_motion, quanta.power);
     tally.add(Power::diffusion, per_rate * by_diffusion, quanta.power);
     // With the rounding of the pressure to what neighbours read.
-    tally.add(Power::cavitation, per_rate * by_closing - (pressure - elastic - bulk) * volume * by_motion,
+    tally.add(Power::cavitation, per_rate * by_return - (pressure - elastic - bulk) * volume * by_motion,
               quanta.power);
 
     const Vec3d v = particles::velocity_of(liquid.velocity[i], liquid.fine_part(i));
@@ -69,12 +71,12 @@ struct SumRates {
     tally.observe(speed2, norm2(acceleration), std::fabs(compression));
     tally.judge(speed2 * inverse_sound2, std::fabs(compression), quanta.square);
     liquid.acceleration[0][i] = acceleration;
-    liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion + by_closing;
+    liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion + by_return;
     liquid.filled[i] = static_cast<float>(filled);
     liquid.slope[i] = (-properties.density * by_pressure).template as<Real>();
     if constexpr (shifting)
       liquid.shift[i] =
-          shift_velocity(properties, sum.crowding, wall.surface, neighbours + own + wall.shadow);
+          shift_velocity(properties, sum.crowding, wall.surface, whole);
     // The next step extrapolates the acceleration by the whole of its last change at most.
     const double change = norm(acceleration - liquid.acceleration[1][i]);
     tally.stays_for(time_within(skin[i] - spare, moved(i), std::sqrt(speed2) + shift_speed(i),

@@ -269,8 +269,10 @@ struct SumWalls {
                        Tally& tally, Bodies& bodies) const {
     particles::WallContact first;
     Nearest::touches(near.facet[nearest.facet], p.x, repulsion.range, first);
-    push(p, near.facet[nearest.facet].body, first, repulsion.acceleration(nearest.distance) * first.normal,
-         sum, tally, bodies);
+    const std::uint32_t body_of_first = near.facet[nearest.facet].body;
+    const double away = dot(p.v - velocity_of(body_of_first, first.point), first.normal);
+    const double of_first = repulsion.of_nearest(nearest.distance, away);
+    if (of_first > 0) push(p, body_of_first, first, of_first * first.normal, sum, tally, bodies);
     double strongest = 0;
     particles::WallContact second;
     std::uint32_t body = 0;

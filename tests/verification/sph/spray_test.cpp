@@ -89,6 +89,49 @@ TEST(Spray, OfAJetThroughAHoleStaysInTheVessel) {
                 0.02);
 }
 
+// A tank with a baffle, half full, that brakes: the liquid runs to the front through the hole of the baffle and is
+// pressed into corners for a while. Particles must not gather there.
+TEST(Spray, IsNotPressedTogetherInCorners) {
+  constexpr int length = 16, wide = 6, high = 10, deep = 5;
+  constexpr double end = 3;  // [s]
+  LiquidSetup setup;
+  Liquid& l = setup.liquid;
+  l.spacing = 0.16;
+  l.artificial = 0.02;
+  const double a = l.spacing;
+  l.sound_speed = 50;
+  setup.walls = {transformed(box_mesh({length * a, wide * a, high * a}), Pose{{0, 0, 0.5 * high * a}, {}}),
+                 transformed(holed_plate(wide * a, 2 * a), Pose{{0.3 * a, 0, 0.5 * wide * a}, exp(Vec3d{0, pi / 2, 0})})};
+  setup.domain = {{-length * a, -wide * a, -a}, {length * a, wide * a, (high + 1) * a}};
+  l.gravity = {4.5, 0, -g};
+  const auto engine = make_engine(setup, true);
+  LiquidState start;
+  for (int k = 0; k < length * wide * deep; ++k) {
+    start.position.push_back(a * Vec3d{k % length + 0.5 - length / 2, k / length % wide + 0.5 - wide / 2,
+                                       k / length / wide + 0.5});
+    start.velocity.push_back({});
+    start.compression.push_back(0);
+  }
+  engine->set_state(start);
+  const EnergyBalance begin = engine->energies();
+  double next = 0;
+  for (double t = 0; t < end;) {
+    const StepFigures f = engine->figures();
+    const double dt = 0.95 * step_limits(l, f.largest_speed, f.largest_acceleration).smallest;
+    t += dt;
+    engine->step(dt);
+    if (t < next) continue;
+    next += 0.25;
+    const EnergyBalance e = engine->energies();
+    const LiquidState s = engine->state();
+    double least = 1e9;
+    for (std::size_t i = 0; i < s.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) least = std::min(least, norm(s.position[i] - s.position[j]) / a);
+    std::printf("  %.2f s: residual %.4f of gravity %.2f, kinetic %.2f, bulk %.3f, closest %.3f spacings\n", t, 
+                e.kinetic + e.compression - begin.kinetic - begin.compression - e.changes(), e.gravity, e.kinetic, e.bulk_viscosity, least);
+  }
+}
+
 // A vessel that is star-shaped about its middle, with facets at all angles.
 TriangleMesh bumpy_vessel(particles::Random& random, double radius) {
   TriangleMesh m = sphere_mesh(1, 8);
