@@ -1,7 +1,7 @@
-// Particles whose kernel is not filled: spray, drops, rims of jets; and those whose kernel is overfull. A liquid that can separate bears no
-// tension, so that neither walls nor neighbours pull them; and their density returns to that of the liquid at
-// rest, so that the next wall or neighbour pushes them at once. A liquid that is torn off a wall cavitates
-// where the tension is larger than any suction of a flow.
+// Particles whose kernel is not filled: spray, drops, rims of jets; and those whose kernel is overfull. A
+// liquid that can separate bears no tension, so that neither walls nor neighbours pull them; and their
+// density returns to that of the liquid at rest, so that the next wall or neighbour pushes them at once. A
+// liquid that is torn off a wall cavitates where the tension is larger than any suction of a flow.
 #pragma once
 
 #include "common/host_device.hpp"
@@ -55,15 +55,14 @@ TANDEM_HD inline double closing_rate(const Liquid& l, double compression, double
   return (borne - compression) * l.sound_speed / (4 * l.h());
 }
 
-// The rate of compression by motion is not exact beside walls, so that particles may gather in corners without a
-// rise of their density. `whole`: what neighbours, the particle itself and walls fill of its kernel, 1 in a
-// liquid at rest and at most 1.1 beside walls in a flow. Above `crowded` the density rises, within the time in
-// which expansions close, by as much as the kernel is overfull, up to a pressure of `largest_crowding` rho0 c0^2
-// that moves the particles apart [1/s].
+// The rate of compression by motion is not exact beside walls, so that particles may gather in corners
+// without a rise of their density. `whole`: what neighbours, the particle itself and walls fill of its
+// kernel, 1 in a liquid at rest and at most 1.1 beside walls in a flow. Above `crowded` the density rises,
+// within the time in which expansions close, by as much as the kernel is overfull, up to a pressure of
+// `largest_crowding` rho0 c0^2 that moves the particles apart [1/s].
 inline constexpr double crowded = 1.15, largest_crowding = 0.01;
 TANDEM_HD inline double crowding_rate(const Liquid& l, double compression, double whole) {
-  const double overfull = whole - crowded,
-               borne = overfull < largest_crowding ? overfull : largest_crowding;
+  const double overfull = whole - crowded, borne = overfull < largest_crowding ? overfull : largest_crowding;
   if (!(borne > 0 && borne > compression)) return 0;
   return (borne - compression) * l.sound_speed / (4 * l.h());
 }

@@ -3,7 +3,7 @@
 // any pressure. Particles of a liquid at rest are half a spacing from walls and are not repelled.
 //
 // The push is damped and never pulls: a spring without damping would give a particle back some more than it
-// brought, by the error of the steps (docs/experiments/2026-11-sph-step.md).
+// brought, by the error of the steps (docs/experiments/2026-11-sph-corners.md).
 //
 // In a slit or a tip that is narrower than half a spacing a second wall repels as well: the nearest one alone
 // would push in turns to one side and to the other, which drives the particle through a wall in the end.

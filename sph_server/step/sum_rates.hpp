@@ -74,9 +74,7 @@ struct SumRates {
     liquid.rate[0][i] = (1 + compression) * by_motion + by_diffusion + by_return;
     liquid.filled[i] = static_cast<float>(filled);
     liquid.slope[i] = (-properties.density * by_pressure).template as<Real>();
-    if constexpr (shifting)
-      liquid.shift[i] =
-          shift_velocity(properties, sum.crowding, wall.surface, whole);
+    if constexpr (shifting) liquid.shift[i] = shift_velocity(properties, sum.crowding, wall.surface, whole);
     // The next step extrapolates the acceleration by the whole of its last change at most.
     const double change = norm(acceleration - liquid.acceleration[1][i]);
     tally.stays_for(time_within(skin[i] - spare, moved(i), std::sqrt(speed2) + shift_speed(i),

@@ -130,6 +130,38 @@ TEST(Spray, BearsNoTensionAndReturnsToRest) {
   EXPECT_EQ(closing_rate(l, 0.02, 0), 0);
 }
 
+TEST(WallRepulsion, GivesAParticleNoMoreThanItBrought) {
+  Liquid l;
+  l.sound_speed = 30;
+  l.spacing = 0.01;
+  const WallRepulsion r = WallRepulsion::of(l);
+  for (const double factor : {0.1, 0.25, 0.35}) {  // of h / c, steps of Adams and Bashforth
+    const double dt = factor * l.h() / l.sound_speed, came = -0.1 * l.sound_speed;
+    double x = r.range, v = came, last = 0;
+    do {
+      const double a = x < r.range ? r.of_nearest(x, v) : 0, mean = 1.5 * a - 0.5 * last;
+      x += dt * (v + 0.5 * dt * mean);
+      v += dt * mean;
+      last = a;
+    } while (x < 1.5 * r.range);
+    EXPECT_LE(v, -came) << factor;
+    EXPECT_GE(v, -0.85 * came) << factor;
+  }
+  EXPECT_EQ(r.of_nearest(0.99 * r.range, l.sound_speed), 0) << "it never pulls";
+}
+
+TEST(Crowding, RaisesTheDensityToWhatIsTooMuch) {
+  Liquid l;
+  l.sound_speed = 30;
+  l.spacing = 0.01;
+  EXPECT_EQ(crowding_rate(l, 0, 1.1), 0) << "beside walls in a flow";
+  EXPECT_EQ(crowding_rate(l, 0.004, crowded + 0.003), 0);
+  EXPECT_GT(crowding_rate(l, 0.004, crowded + 0.006), 0);
+  EXPECT_EQ(crowding_rate(l, 0.02, 2.5), 0) << "the liquid is compressed already";
+  EXPECT_EQ(crowding_rate(l, 0, 2.5), crowding_rate(l, 0, 1.2)) << "to a bound";
+  EXPECT_NEAR(crowding_rate(l, 0, 2.5) * 4 * l.h() / l.sound_speed, largest_crowding, 1e-15);
+}
+
 TEST(WallRepulsion, StopsAQuarterOfTheSpeedOfSound) {
   Liquid l;
   l.sound_speed = 30;
