@@ -25,6 +25,8 @@ std::vector<std::string> left_out(const Model& model) {
   if (!model.driven) list.push_back("no prescribed motion");
   if (model.springs.empty()) list.push_back("no springs between points");
   if (model.contact.impacts_within_steps) list.push_back("no steps that end where contacts begin and end");
+  if (model.contact.time_stepping)
+    list.push_back("no impacts of bodies: time stepping, one convex minimum for each step of fixed length");
   if (model.welded > 0)
     list.push_back(fmt::format("{} bodies welded to another or to the ground: merged", model.welded));
   return list;
