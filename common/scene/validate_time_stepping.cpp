@@ -11,7 +11,8 @@ void expect_free_or_moved(const Mbd& mbd, const std::string& origin) {
     const std::string at = "mbd.joints[" + std::to_string(i) + "]";
     if (joint.type == JointType::free || joint.type == JointType::fixed) continue;
     if (!joint.motion)
-      fail(origin, at, "time stepping of contacts computes no joint whose coordinate is free, as '" + joint.name + "'",
+      fail(origin, at,
+           "time stepping of contacts computes no joint whose coordinate is free, as '" + joint.name + "'",
            "give the joint a motion, or leave out mbd.contact.impacts");
     if (joint.parent != ground)
       fail(origin, at + ".parent", "time stepping of contacts moves bodies against the ground only",

@@ -49,13 +49,15 @@ void BlockCholesky::plan(int rows) {
     later_.insert(later_.end(), own.begin(), own.end());
     first_.push_back(static_cast<int>(later_.size()));
     products_ += own.size() * (own.size() + 1) / 2;
-    if (own.size() > 1) later[as_index(own[0])].insert(later[as_index(own[0])].end(), own.begin() + 1, own.end());
+    if (own.size() > 1)
+      later[as_index(own[0])].insert(later[as_index(own[0])].end(), own.begin() + 1, own.end());
   }
   entries_.clear();
   for (const auto& [a, b] : pairs_) {
-    const int x = place_of_[as_index(a)], y = place_of_[as_index(b)], low = std::min(x, y), high = std::max(x, y);
-    const auto found =
-        std::lower_bound(later_.begin() + first_[as_index(low)], later_.begin() + first_[as_index(low) + 1], high);
+    const int x = place_of_[as_index(a)], y = place_of_[as_index(b)], low = std::min(x, y),
+              high = std::max(x, y);
+    const auto found = std::lower_bound(later_.begin() + first_[as_index(low)],
+                                        later_.begin() + first_[as_index(low) + 1], high);
     // The lower block has the later place as its row.
     entries_.push_back({static_cast<int>(found - later_.begin()), x < y});
   }
@@ -73,7 +75,8 @@ void BlockCholesky::factorise() {
     diagonal_[p] = llt.matrixL();
     const int begin = first_[p], end = first_[p + 1];
     for (int e = begin; e < end; ++e)
-      diagonal_[p].triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(lower_[as_index(e)]);
+      diagonal_[p].triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(
+          lower_[as_index(e)]);
     for (int e = begin; e < end; ++e) {
       const std::size_t i = as_index(later_[as_index(e)]);
       const Matrix6d mirrored = lower_[as_index(e)].transpose();
@@ -96,7 +99,8 @@ void BlockCholesky::solve(std::vector<Vector6d>& r) {
   }
   for (std::size_t p = right_.size(); p-- > 0;) {
     for (int e = first_[p]; e < first_[p + 1]; ++e)
-      right_[p].noalias() -= lower_[as_index(e)].transpose().lazyProduct(right_[as_index(later_[as_index(e)])]);
+      right_[p].noalias() -=
+          lower_[as_index(e)].transpose().lazyProduct(right_[as_index(later_[as_index(e)])]);
     diagonal_[p].triangularView<Eigen::Lower>().transpose().solveInPlace(right_[p]);
   }
   for (std::size_t row = 0; row < r.size(); ++row) r[row] = right_[as_index(place_of_[row])];

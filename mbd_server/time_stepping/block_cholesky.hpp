@@ -1,5 +1,5 @@
-// Sparse Cholesky factorisation A = L L^T of a symmetric positive definite matrix of 6 x 6 blocks, in an order
-// of approximate minimum degree. The order is kept while the places of the blocks stay.
+// Sparse Cholesky factorisation A = L L^T of a symmetric positive definite matrix of 6 x 6 blocks, in an
+// order of approximate minimum degree. The order is kept while the places of the blocks stay.
 #pragma once
 
 #include <utility>

@@ -58,7 +58,8 @@ void ContactProblem::connect() {
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   pair_of_.clear();
   for (const Point& p : points) {
-    const auto found = std::lower_bound(pairs_.begin(), pairs_.end(), BlockCholesky::Pair(std::minmax(p.a, p.b)));
+    const auto found =
+        std::lower_bound(pairs_.begin(), pairs_.end(), BlockCholesky::Pair(std::minmax(p.a, p.b)));
     pair_of_.push_back(p.a != none && p.b != none ? static_cast<int>(found - pairs_.begin()) : none);
   }
   slopes_.resize(points.size());
@@ -110,7 +111,8 @@ double ContactProblem::evaluate() {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];
     of_impulses += scaled(body, gradient_[i]);
-    of_momenta += std::max(scaled(body, momentum_of(body, body.v)), scaled(body, momentum_of(body, body.free)));
+    of_momenta +=
+        std::max(scaled(body, momentum_of(body, body.v)), scaled(body, momentum_of(body, body.free)));
     gradient_[i] += momentum_of(body, body.v - body.free);
     of_gradient += scaled(body, gradient_[i]);
   }
@@ -121,8 +123,8 @@ double ContactProblem::evaluate() {
 void ContactProblem::minimise(double tolerance, Effort& effort) {
   for (int i = 0; evaluate() > tolerance; ++i) {
     if (i == most_iterations)
-      throw Error(ErrorCode::numerics, "Newton's method finds no velocities at contacts between bodies", "mbd_server",
-                  "give a shorter mbd.integrator.step");
+      throw Error(ErrorCode::numerics, "Newton's method finds no velocities at contacts between bodies",
+                  "mbd_server", "give a shorter mbd.integrator.step");
     find_direction();
     const double length = step_length();
     for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k].v += length * direction_[k];
@@ -146,7 +148,8 @@ void ContactProblem::find_direction() {
     if (p.b != none) matrix_.diagonal(p.b) += at_points(p.r_b, G, p.r_b);
     if (pair_of_[k] == none) continue;
     const bool in_order = p.a < p.b;
-    matrix_.add(as_index(pair_of_[k]), in_order ? Matrix6d(-at_points(p.r_a, G, p.r_b)) : Matrix6d(-at_points(p.r_b, G, p.r_a)));
+    matrix_.add(as_index(pair_of_[k]),
+                in_order ? Matrix6d(-at_points(p.r_a, G, p.r_b)) : Matrix6d(-at_points(p.r_b, G, p.r_a)));
   }
   matrix_.factorise();
   for (std::size_t i = 0; i < bodies.size(); ++i) direction_[i] = -gradient_[i];

@@ -2,18 +2,19 @@
 //
 //   l(v) = 1/2 (v - v*)^T M (v - v*) + sum over points of l_c(J v)
 //
-// v* are the velocities without contacts. The gradient of l_c is minus the impulse of a point, which depends on
-// the relative velocity v_c at the end of the step of length h. With the depth d and the stretch s of the
+// v* are the velocities without contacts. The gradient of l_c is minus the impulse of a point, which depends
+// on the relative velocity v_c at the end of the step of length h. With the depth d and the stretch s of the
 // friction spring at the begin of the step, and the rate v_n of the gap:
 //
 //   normal:  h k max(0, d - h v_n) max(0, 1 - c v_n)   spring and damper of contact_force.hpp at the end
 //   friction: - h k_t (s + h v_t), and no larger than a bound
 //
-// Both fall with the velocity, so that the function is convex and has one minimum, which does not depend on the
-// order of bodies and points. Newton's method finds it with a factorisation by blocks of bodies and a line
-// search. The bound of friction is mu times the normal impulse: with one bound for each minimum (Tresca's
-// friction), the bounds of the next minimum follow from the impulses of the last one [Panagiotopoulos1975], until they
-// change the impulses no more. So a body that slides is not lifted, as with a friction cone in one minimum.
+// Both fall with the velocity, so that the function is convex and has one minimum, which does not depend on
+// the order of bodies and points. Newton's method finds it with a factorisation by blocks of bodies and a
+// line search. The bound of friction is mu times the normal impulse: with one bound for each minimum
+// (Tresca's friction), the bounds of the next minimum follow from the impulses of the last one
+// [Panagiotopoulos1975], until they change the impulses no more. So a body that slides is not lifted, as with
+// a friction cone in one minimum.
 #pragma once
 
 #include <cstdint>
@@ -33,15 +34,15 @@ class ContactProblem {
     Vector6d v;        // first guess; afterwards the solution
   };
   struct Point {
-    int a, b;           // bodies; none: it moves as given
-    Vector3d n;         // from a to b
-    Vector3d r_a, r_b;  // from the centres of mass [m]
-    Vector3d given;     // relative velocity of what moves as given [m/s]
-    double depth;       // d [m]
-    Vector3d stretch;   // s, across n [m]
+    int a, b;                          // bodies; none: it moves as given
+    Vector3d n;                        // from a to b
+    Vector3d r_a, r_b;                 // from the centres of mass [m]
+    Vector3d given;                    // relative velocity of what moves as given [m/s]
+    double depth;                      // d [m]
+    Vector3d stretch;                  // s, across n [m]
     double stiffness, damping, along;  // k [N/m], c [s/m], k_t [N/m]
     double friction;                   // mu
-    double bound;                      // of the friction impulse: first guess; afterwards that of the solution [N s]
+    double bound;  // of the friction impulse: first guess; afterwards that of the solution [N s]
     // Of the solution.
     Vector3d velocity = Vector3d::Zero();  // of b relative to a at the point [m/s]
     double normal = 0;                     // impulse [N s]

@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 
-
 namespace tandem::mbd {
 
 Vector3d free_spin(const Matrix3d& inertia, const Vector3d& spin, double h) {

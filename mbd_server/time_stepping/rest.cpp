@@ -1,5 +1,5 @@
-// Which bodies sleep: an island, of bodies in contact, that has been at rest for a while takes no part in steps
-// until what moves may touch it.
+// Which bodies sleep: an island, of bodies in contact, that has been at rest for a while takes no part in
+// steps until what moves may touch it.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,8 +11,8 @@ namespace tandem::mbd {
 namespace {
 
 constexpr Eigen::Index row_of_rest = 2;  // of State::island_steps
-// A body is at rest whose rates are below this share of that of a fall through its size; an island sleeps after
-// so much time at rest [s].
+// A body is at rest whose rates are below this share of that of a fall through its size; an island sleeps
+// after so much time at rest [s].
 constexpr double least_rate_awake = 1e-5, asleep_after_rest = 0.1;
 
 }  // namespace
@@ -22,7 +22,8 @@ bool TimeStepping::sleeps(const State& state, int body) const {
 }
 
 int TimeStepping::first(int body) {
-  while (group_[as_index(body)] != body) body = group_[as_index(body)] = group_[as_index(group_[as_index(body)])];
+  while (group_[as_index(body)] != body)
+    body = group_[as_index(body)] = group_[as_index(group_[as_index(body)])];
   return body;
 }
 

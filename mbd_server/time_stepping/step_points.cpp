@@ -10,8 +10,8 @@
 namespace tandem::mbd {
 namespace {
 
-// As for points of steps that resolve impacts (contact_candidates.cpp): a point of a face within this share of
-// the size of its shape is the one of the step before; one within this share of another one is part of it.
+// As for points of steps that resolve impacts (contact_candidates.cpp): a point of a face within this share
+// of the size of its shape is the one of the step before; one within this share of another one is part of it.
 constexpr double same_place_in_step = 0.05, merged_in_step = 1e-4;
 constexpr Eigen::Index part_of_other_feature = -2;
 // Pairs of shapes are looked for again when one has moved by this share of its size, or by so many steps.
@@ -43,7 +43,9 @@ void StepPoints::begin(const std::vector<LinkMotion>& links, double h) {
   for (std::size_t s = 0; s < bounds_.size(); ++s) {
     const ContactShape& shape = model_.contact.shapes[s];
     const bool endless = shape.kind == ContactShape::Kind::plane;
-    margins_[s] = shape.link == 0 ? 0 : std::max(endless ? 0 : margin_of_shape * shape.bound, steps_of_margin * bounds_[s].travel);
+    margins_[s] = shape.link == 0 ? 0
+                                  : std::max(endless ? 0 : margin_of_shape * shape.bound,
+                                             steps_of_margin * bounds_[s].travel);
     centres_[s] = bounds_[s].centre;
   }
   find_pairs(model_, links, h, pairs_, &margins_);
@@ -63,15 +65,16 @@ bool StepPoints::is_near(const NearPair& pair) const {
   else if (b.kind == ContactShape::Kind::plane)
     distance = b.link == 0 ? above(pair.b, pair.a) : 0, size = a.bound;
   else
-    distance = (bounds_[as_index(pair.a)].centre - bounds_[as_index(pair.b)].centre).norm(), size = a.bound + b.bound;
+    distance = (bounds_[as_index(pair.a)].centre - bounds_[as_index(pair.b)].centre).norm(),
+    size = a.bound + b.bound;
   return distance <= size + reach(pair.a, pair.b);
 }
 
 bool StepPoints::may_touch(int a, int b) {
   features_.clear();
   find_features(model_, a, b, *links_, reach(a, b), -1, features_);
-  return std::ranges::any_of(
-      features_, [&](const ContactFeature& f) { return gap(model_, f, *links_) <= reach(a, b); });
+  return std::ranges::any_of(features_,
+                             [&](const ContactFeature& f) { return gap(model_, f, *links_) <= reach(a, b); });
 }
 
 void StepPoints::sort(std::vector<ContactPoint>& points) {
@@ -89,7 +92,8 @@ void StepPoints::find(int a, int b, const std::vector<ContactPoint>& points, std
   std::size_t last = first;
   while (last < points.size() && pair_at(points, last) == pair) ++last;
   features_.clear();
-  find_features(model_, a, b, *links_, reach(a, b), first == last ? -1 : points[last - 1].feature.code, features_);
+  find_features(model_, a, b, *links_, reach(a, b), first == last ? -1 : points[last - 1].feature.code,
+                features_);
   match(points, first, last);
   for (std::size_t i = 0; i < features_.size(); ++i)
     if (point_of_[i] != part_of_other_feature && gap(model_, features_[i], *links_) <= reach(a, b))
@@ -106,7 +110,8 @@ void StepPoints::match(const std::vector<ContactPoint>& points, std::size_t firs
       const ContactFeature& f = features_[i];
       if (g.a != f.a || g.b != f.b || g.code != f.code) continue;
       const double distance = f.by_place ? (g.place_a - f.place_a).norm() : 0;
-      if (distance <= same_place_in_step * model_.contact.shape(f.a).bound) matches.emplace_back(distance, i, k);
+      if (distance <= same_place_in_step * model_.contact.shape(f.a).bound)
+        matches.emplace_back(distance, i, k);
     }
   }
   std::ranges::sort(matches);
@@ -119,7 +124,8 @@ void StepPoints::match(const std::vector<ContactPoint>& points, std::size_t firs
     const double size = std::min(model_.contact.shape(f.a).bound, model_.contact.shape(f.b).bound);
     for (std::size_t k = 0; k < features_.size(); ++k) {
       const bool stands = point_of_[k] >= 0 || (k < i && point_of_[k] != part_of_other_feature);
-      if (stands && (features_[k].place_a - f.place_a).norm() < merged_in_step * size) point_of_[i] = part_of_other_feature;
+      if (stands && (features_[k].place_a - f.place_a).norm() < merged_in_step * size)
+        point_of_[i] = part_of_other_feature;
     }
   }
 }

@@ -1,5 +1,5 @@
-// The points of contact of a step: near pairs of shapes, their features, and which of these continue points of
-// the step before.
+// The points of contact of a step: near pairs of shapes, their features, and which of these continue points
+// of the step before.
 #pragma once
 
 #include <vector>

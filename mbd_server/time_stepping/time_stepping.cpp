@@ -23,7 +23,7 @@ Vector3d across_normal(const Vector3d& n, const Vector3d& x) {
 
 // Stretch of the spring of friction of a point.
 Vector3d friction_stretch(const Model& model, const ContactPoint& point, const Vector3d& n,
-                    const std::vector<LinkMotion>& links) {
+                          const std::vector<LinkMotion>& links) {
   const LinkMotion &a = link_of(model, point.feature.a, links), &b = link_of(model, point.feature.b, links);
   return across_normal(n, b.point(point.friction.on_b) - a.point(point.friction.on_a));
 }
@@ -36,7 +36,8 @@ double stored_in(const ContactLaw& law, const ContactPoint& point, double depth,
 double energy_of_link(const Model& model, const Link& link, const LinkMotion& m) {
   if (link.mass == 0) return 0;
   const Vector3d w = m.V.head<3>(), c = m.point(link.com), v = m.velocity(c), local = m.R_WL.transpose() * w;
-  return 0.5 * (link.mass * v.squaredNorm() + local.dot(link.inertia * local)) - link.mass * model.gravity.dot(c);
+  return 0.5 * (link.mass * v.squaredNorm() + local.dot(link.inertia * local)) -
+         link.mass * model.gravity.dot(c);
 }
 
 }  // namespace
@@ -48,12 +49,14 @@ TimeStepping::TimeStepping(const Model& model) : model_(model), near_(model) {
   if (6 * static_cast<int>(bodies_.size()) != model.freedoms)
     throw Error(ErrorCode::internal, "a body of time stepping is not free", "mbd_server");
   body_of_link_.assign(model.links.size(), none);
-  for (std::size_t b = 0; b < bodies_.size(); ++b) body_of_link_[as_index(bodies_[b].rotation)] = static_cast<int>(b);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    body_of_link_[as_index(bodies_[b].rotation)] = static_cast<int>(b);
   radius_.assign(bodies_.size(), 0);
   for (const ContactShape& shape : model.contact.shapes)
     if (const int body = body_of_link_[as_index(shape.link)]; body != none)
       radius_[as_index(body)] =
-          std::max(radius_[as_index(body)], (shape.centre - model.links[as_index(shape.link)].com).norm() + shape.bound);
+          std::max(radius_[as_index(body)],
+                   (shape.centre - model.links[as_index(shape.link)].com).norm() + shape.bound);
   account_.motion_work.assign(model.links.size(), 0);
 }
 
@@ -122,8 +125,8 @@ void TimeStepping::gather_bodies(const State& state, const std::vector<LinkMotio
   }
 }
 
-// Bodies that contacts push move with the velocity at the end, others with the mean one; what turns an axis of
-// inertia is never a contact.
+// Bodies that contacts push move with the velocity at the end, others with the mean one; what turns an axis
+// of inertia is never a contact.
 void TimeStepping::move_bodies(State& state, const std::vector<LinkMotion>& links, double h) {
   for (std::size_t k = 0; k < problem_.points.size(); ++k) {
     const ContactProblem::Point& p = problem_.points[k];
@@ -134,10 +137,12 @@ void TimeStepping::move_bodies(State& state, const std::vector<LinkMotion>& link
   for (std::size_t k = 0; k < awake_.size(); ++k) {
     const Awake& one = awake_[k];
     const FreeBodies::Body& body = bodies_[as_index(one.body)];
-    const Link &link = model_.links[as_index(body.rotation)], &shifts = model_.links[as_index(body.translation)];
+    const Link &link = model_.links[as_index(body.rotation)],
+               &shifts = model_.links[as_index(body.translation)];
     const LinkMotion& m = links[as_index(body.rotation)];
     const ContactProblem::Body& end = problem_.bodies[k];
-    const Vector3d before = m.velocity(one.centre), v = end.v.tail<3>(), w = m.R_WL.transpose() * end.v.head<3>();
+    const Vector3d before = m.velocity(one.centre), v = end.v.tail<3>(),
+                   w = m.R_WL.transpose() * end.v.head<3>();
     const Vector3d moved = h * (one.pushed ? v : Vector3d(0.5 * (before + v))),
                    turned = h * (w - 0.5 * (one.free_spin - one.spin)), spun = w - one.free_spin;
     if (one.pushed)
@@ -191,7 +196,9 @@ void TimeStepping::gather_points(const State& state, const std::vector<LinkMotio
   touching_.clear();
   problem_.points.clear();
   near_.for_each_near([&](int a, int b) {
-    const auto awake = [&](int shape) { return body_of(shape) != none && place_of_[as_index(body_of(shape))] != none; };
+    const auto awake = [&](int shape) {
+      return body_of(shape) != none && place_of_[as_index(body_of(shape))] != none;
+    };
     if (!awake(a) && !awake(b)) return;
     found_.clear();
     near_.find(a, b, state.contacts, found_);
@@ -206,14 +213,16 @@ void TimeStepping::gather_points(const State& state, const std::vector<LinkMotio
   // Energy at the begin of the step: that which is left at its end, and in what is left, is not lost.
   for (const ContactPoint& point : state.contacts) {
     const int a = body_of(point.feature.a), b = body_of(point.feature.b);
-    if ((a == none || place_of_[as_index(a)] == none) && (b == none || place_of_[as_index(b)] == none)) continue;
+    if ((a == none || place_of_[as_index(a)] == none) && (b == none || place_of_[as_index(b)] == none))
+      continue;
     const Touch t = touch(model_, point.feature, links, Derivatives::without);
     account_.lost += stored_in(model_.contact.law(point.feature.a, point.feature.b), point, -t.gap,
                                friction_stretch(model_, point, t.n, links));
   }
 }
 
-void TimeStepping::add_point(ContactPoint& point, bool is_new, const std::vector<LinkMotion>& links, double h) {
+void TimeStepping::add_point(ContactPoint& point, bool is_new, const std::vector<LinkMotion>& links,
+                             double h) {
   const int shape_a = point.feature.a, shape_b = point.feature.b;
   const ContactLaw law = model_.contact.law(shape_a, shape_b);
   const Touch t = touch(model_, point.feature, links, Derivatives::without);
@@ -229,12 +238,14 @@ void TimeStepping::add_point(ContactPoint& point, bool is_new, const std::vector
   p.depth = -t.gap;
   p.stiffness = law.stiffness;
   p.friction = law.friction;
-  const double gap_rate = t.n.dot(at_point(link_of(model_, shape_b, links).V - link_of(model_, shape_a, links).V, t.p));
+  const double gap_rate =
+      t.n.dot(at_point(link_of(model_, shape_b, links).V - link_of(model_, shape_a, links).V, t.p));
   if (is_new) {
     point.mass_a = mass_at(shape_a, p.r_a, p.n);
     point.mass_b = mass_at(shape_b, p.r_b, p.n);
     point.pressing_mass = std::max(point.mass_a, point.mass_b);
-    point.mass = point.mass_a > 0 && point.mass_b > 0 ? 1 / (1 / point.mass_a + 1 / point.mass_b) : point.pressing_mass;
+    point.mass = point.mass_a > 0 && point.mass_b > 0 ? 1 / (1 / point.mass_a + 1 / point.mass_b)
+                                                      : point.pressing_mass;
     point.entry_rate = std::max(0.0, -gap_rate);
     point.friction.stiffness = law.friction > 0 ? law.tangential_ratio * law.stiffness : 0;
     p.stretch.setZero();
@@ -243,10 +254,11 @@ void TimeStepping::add_point(ContactPoint& point, bool is_new, const std::vector
   }
   p.along = point.friction.stiffness;
   const double pressed = 0.5 * std::max(0.0, p.depth) * std::sqrt(law.stiffness / point.pressing_mass);
-  p.damping = law.damping_number /
-              std::max({point.entry_rate, pressed, h * model_.gravity.norm(), least_entry_rate});
+  p.damping =
+      law.damping_number / std::max({point.entry_rate, pressed, h * model_.gravity.norm(), least_entry_rate});
   p.bound = is_new ? 0
-                   : law.friction * h * law.stiffness * std::max(0.0, p.depth) * std::max(0.0, 1 - p.damping * gap_rate);
+                   : law.friction * h * law.stiffness * std::max(0.0, p.depth) *
+                         std::max(0.0, 1 - p.damping * gap_rate);
 }
 
 void TimeStepping::expect_outside(const ContactPoint& point, double depth, double time) const {
@@ -254,8 +266,8 @@ void TimeStepping::expect_outside(const ContactPoint& point, double depth, doubl
   if (share <= 1) return;
   throw Error(ErrorCode::numerics,
               fmt::format("{} and {} pass through each other at t = {:.6g} s: {:.3g} m deep",
-                          model_.contact.shape(point.feature.a).name, model_.contact.shape(point.feature.b).name, time,
-                          depth),
+                          model_.contact.shape(point.feature.a).name,
+                          model_.contact.shape(point.feature.b).name, time, depth),
               "mbd.contact", "give more stiffness, or a shorter mbd.integrator.step");
 }
 
@@ -264,7 +276,8 @@ void TimeStepping::keep_points(State& state, double h) {
   std::vector<ContactPoint> kept;
   for (const ContactPoint& point : state.contacts) {
     const int a = body_of(point.feature.a), b = body_of(point.feature.b);
-    if ((a == none || place_of_[as_index(a)] == none) && (b == none || place_of_[as_index(b)] == none)) kept.push_back(point);
+    if ((a == none || place_of_[as_index(a)] == none) && (b == none || place_of_[as_index(b)] == none))
+      kept.push_back(point);
   }
   account_.contacts.steps = problem_.points.empty() ? 0 : 1;
   for (std::size_t k = 0; k < touching_.size(); ++k) {
@@ -276,11 +289,14 @@ void TimeStepping::keep_points(State& state, double h) {
     if (!(p.normal > 0) && !(t.gap < 0)) continue;
     account_.extremes.force = std::max(account_.extremes.force, p.normal / h);
     expect_outside(point, -t.gap, state.time + h);
-    if (const double share = -t.gap / thickness_at(model_, point.feature); share > account_.extremes.depth_share)
+    if (const double share = -t.gap / thickness_at(model_, point.feature);
+        share > account_.extremes.depth_share)
       account_.extremes.depth_share = share, account_.extremes.shape_a = point.feature.a,
       account_.extremes.shape_b = point.feature.b;
-    const LinkMotion &a = link_of(model_, point.feature.a, ahead_), &b = link_of(model_, point.feature.b, ahead_);
-    const Vector3d stretch = p.along > 0 ? across_normal(t.n, -p.tangential / (h * p.along)) : Vector3d::Zero();
+    const LinkMotion &a = link_of(model_, point.feature.a, ahead_),
+                     &b = link_of(model_, point.feature.b, ahead_);
+    const Vector3d stretch =
+        p.along > 0 ? across_normal(t.n, -p.tangential / (h * p.along)) : Vector3d::Zero();
     point.friction.on_a = in_link(a, t.p);
     point.friction.on_b = in_link(b, t.p + stretch);
     account_.lost -= stored_in(law, point, -t.gap, stretch);
@@ -296,7 +312,8 @@ void TimeStepping::keep_points(State& state, double h) {
 void TimeStepping::record_work(const std::vector<LinkMotion>& links) {
   for (std::size_t i = 1; i < links.size(); ++i)
     if (model_.links[i].motion != none)
-      account_.motion_work[i] = energy_of_link(model_, model_.links[i], ahead_[i]) - energy_of_link(model_, model_.links[i], links[i]);
+      account_.motion_work[i] = energy_of_link(model_, model_.links[i], ahead_[i]) -
+                                energy_of_link(model_, model_.links[i], links[i]);
   for (std::size_t k = 0; k < touching_.size(); ++k) {
     const ContactProblem::Point& p = problem_.points[k];
     const auto record = [&](int shape, const Vector3d& impulse) {

@@ -25,8 +25,8 @@ namespace tandem::mbd {
 
 // Of the last step.
 struct TimeStepAccount {
-  double lost = 0;     // by contacts, with what the step itself takes [J]
-  double by_step = 0;  // the part of it that the step takes [J]
+  double lost = 0;                  // by contacts, with what the step itself takes [J]
+  double by_step = 0;               // the part of it that the step takes [J]
   double surface_work = 0;          // of surfaces that move along themselves [J]
   std::vector<double> motion_work;  // of the motion of each link [J] (links)
   ContactExtremes extremes;

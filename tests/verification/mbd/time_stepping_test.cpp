@@ -18,7 +18,8 @@ ContactScene stepping_scene(Vec3d gravity = {0, 0, -g}) {
 void expect_closed_balance(ContactRun& run, double tolerance) {
   const auto facts = run.facts();
   expect_near("energy unaccounted for, of that which moves",
-              std::abs(facts["mbd_largest_energy_balance_J"].get<double>()) / facts["mbd_energy_scale_J"].get<double>(),
+              std::abs(facts["mbd_largest_energy_balance_J"].get<double>()) /
+                  facts["mbd_energy_scale_J"].get<double>(),
               0, tolerance);
 }
 
@@ -36,7 +37,8 @@ TEST(TimeStepping, ABoxOnASlopeBelowTheFrictionAngleDoesNotCreep) {
   constexpr double speed = 0.1;
   for (const double share : {0.5, 0.99}) {
     ContactScene s = box_on_slope(0.5 * share, 0.5, 1e6);
-    s.scene.contact->ground[0].surface_velocity = scene::SurfaceVelocity{{0, 1, 0}, scene::ConstantMotion{speed, 0}};
+    s.scene.contact->ground[0].surface_velocity =
+        scene::SurfaceVelocity{{0, 1, 0}, scene::ConstantMotion{speed, 0}};
     s.body(BodyId{0}).twist.v_WB = {0, speed, 0};
     ContactRun run(s.scene, 2e-3);
     run.advance(500);
@@ -206,7 +208,8 @@ TEST(TimeStepping, AMovedPlateCarriesABox) {
   std::printf("  rate of the plate %.3f m/s\n", run.velocity(0).x);
   run.advance(500);
   expect_near("way of the plate [m]", run.position(0).x, 0.5, 1e-12);
-  expect_near("way of the box on the plate, while it slows down [m]", run.position(1).x - run.position(0).x - there, 0, 1e-6);
+  expect_near("way of the box on the plate, while it slows down [m]",
+              run.position(1).x - run.position(0).x - there, 0, 1e-6);
   expect_closed_balance(run, 1e-3);
 }
 
