@@ -196,6 +196,7 @@ std::string report_facts(const RunFigures& f) {
   if (f.body_contacts) {
     others["mbd_body_contacts"] = f.body_contacts->contacts;
     others["mbd_body_contact_steps"] = f.body_contacts->steps;
+    others["mbd_contact_unsettled_steps"] = f.body_contacts->unsettled;
     others["mbd_contact_dissipated_J"] = f.totals.contact_loss;
     others["mbd_largest_contact_force_N"] = f.totals.contact_force;
     others["mbd_largest_contact_force_at_s"] = f.totals.contact_force_at;

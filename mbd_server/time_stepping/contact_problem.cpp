@@ -11,8 +11,9 @@ namespace tandem::mbd {
 namespace {
 
 // Of the scaled gradient, over the momenta: of a minimum, and of the bounds of friction.
-constexpr double tolerance_of_minimum = 1e-6, tolerance_of_bounds = 1e-4;
-constexpr int most_iterations = 100, most_minima = 8;
+constexpr double tolerance_of_minimum = 1e-6, tolerance_of_bounds = 1e-4, tolerance_of_first = 1e-2,
+                 share_of_misfit = 0.1;
+constexpr int most_iterations = 100, most_minima = 16;
 // Of the slope along the direction of a Newton step, over that at its begin.
 constexpr double tolerance_of_length = 0.01;
 
@@ -40,13 +41,16 @@ ContactProblem::Effort ContactProblem::solve(double h) {
   h_ = h;
   connect();
   Effort effort;
-  effort.settled = false;
-  while (!effort.settled && static_cast<int>(effort.minima) < most_minima) {
-    minimise(tolerance_of_minimum, effort);
+  // The bounds of a minimum that is not the last one need no more digits than they have.
+  double misfit = tolerance_of_first;
+  do {
+    minimise(share_of_misfit * misfit, effort);
     ++effort.minima;
     bound_friction();
-    effort.settled = evaluate() <= tolerance_of_bounds;
-  }
+    misfit = evaluate();
+    effort.settled = misfit <= tolerance_of_bounds;
+  } while (!effort.settled && static_cast<int>(effort.minima) < most_minima);
+  minimise(tolerance_of_minimum, effort);
   return effort;
 }
 
@@ -170,23 +174,24 @@ double ContactProblem::step_length() const {
     inertial += direction_[i].dot(momentum_of(bodies[i], bodies[i].v - bodies[i].free));
     quadratic += direction_[i].dot(momentum_of(bodies[i], direction_[i]));
   }
-  const auto slope_at = [&](double length, double& change) {
+  const auto slope_at = [&](double length, double* change = nullptr) {
     double slope = inertial + length * quadratic;
-    change = quadratic;
+    if (change) *change = quadratic;
     for (const Along& one : moving) {
       Point p = *one.point;
       Slope of;
-      evaluate_at(p, p.velocity + length * one.change, &of);
+      evaluate_at(p, p.velocity + length * one.change, change ? &of : nullptr);
       slope -= p.impulse().dot(one.change);
-      change += one.change.dot(of.all * one.change);
+      if (change) *change += one.change.dot(of.all * one.change);
     }
     return slope;
   };
   double change = 0, low = 0, high = HUGE_VAL, length = 1;
-  const double first = std::abs(slope_at(0, change));
+  const double most = tolerance_of_length * std::abs(slope_at(0));
+  if (std::abs(slope_at(1)) <= most) return 1;
   for (int i = 0; i < 50; ++i) {
-    const double slope = slope_at(length, change);
-    if (std::abs(slope) <= tolerance_of_length * first) break;
+    const double slope = slope_at(length, &change);
+    if (std::abs(slope) <= most) break;
     (slope > 0 ? high : low) = length;
     const double newton = length - slope / change;
     length = newton > low && newton < high ? newton : high == HUGE_VAL ? 2 * length : 0.5 * (low + high);

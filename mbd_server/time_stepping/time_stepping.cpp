@@ -76,6 +76,7 @@ void TimeStepping::step(State& state, const std::vector<LinkMotion>& links, doub
   gather_bodies(state, links, h);
   gather_points(state, links, h);
   account_.effort = problem_.solve(h);
+  account_.contacts.unsettled = account_.effort.settled ? 0 : 1;
   move_bodies(state, links, h);
   keep_points(state, h);
   record_work(links);
