@@ -107,13 +107,22 @@ def scene(name, count, end):
 FILES = ("parcels", 100, 22), ("parcels_preview", 18, 7)
 
 
+def rounded(value):
+    """Numbers of nine digits."""
+    if isinstance(value, dict):
+        return {key: rounded(of) for key, of in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [rounded(of) for of in value]
+    return float(f"{value:.9g}") + 0.0 if isinstance(value, float) else value
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--check", action="store_true", help="say whether the files are what it would write")
     check = arguments.parse_args().check
     for name, count, end in FILES:
         path = pathlib.Path(__file__).resolve().parent / f"{name}.json"
-        content = text(scene(name, count, end)) + "\n"
+        content = text(rounded(scene(name, count, end))) + "\n"
         if not check:
             path.write_text(content)
         elif path.read_text() != content:
