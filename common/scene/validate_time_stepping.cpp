@@ -9,6 +9,11 @@ void expect_free_or_moved(const Mbd& mbd, const std::string& origin) {
   for (std::size_t i = 0; i < mbd.joints.size(); ++i) {
     const Joint& joint = mbd.joints[i];
     const std::string at = "mbd.joints[" + std::to_string(i) + "]";
+    if (joint.damping > 0 || joint.friction || joint.limits)
+      fail(origin, at,
+           "time stepping of contacts knows no damping, friction and limits of joints, as those of '" +
+               joint.name + "'",
+           "leave them out, or leave out mbd.contact.impacts");
     if (joint.type == JointType::free || joint.type == JointType::fixed) continue;
     if (!joint.motion)
       fail(origin, at,

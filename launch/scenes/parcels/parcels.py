@@ -101,7 +101,7 @@ def scene(name, count, end):
                                           for name in ("cardboard", "steel")],
                             "pairs": [{"a": "cardboard", "b": "steel", "friction": SLIPPERY}],
                             "ground": ground(0.8 + DISTANCE * rows)}},
-        "checks": checks}
+        "output": {"frame_interval": 0.1}, "checks": checks}
 
 
 FILES = ("parcels", 100, 22), ("parcels_preview", 18, 7)
