@@ -521,8 +521,9 @@ struct ContactOutput {
 };
 
 enum class Impacts {
-  resolved,     // steps end where contacts begin and end, and an impact takes many of them
-  within_steps  // contacts begin and end within steps, which are as long as without them
+  resolved,      // steps end where contacts begin and end, and an impact takes many of them
+  within_steps,  // contacts begin and end within steps, which are as long as without them
+  time_stepping  // no impact is resolved: a step of fixed length is the minimum of a convex function
 };
 
 struct BodyContact {

@@ -105,15 +105,8 @@ Geometry parse_geometry(const Node& node) {
   return mesh;
 }
 
-// Three numbers are a constant velocity.
-SurfaceVelocity parse_surface_velocity(const Node& node, const std::string& format) {
+SurfaceVelocity parse_constant_surface_velocity(const Node& node) {
   SurfaceVelocity surface;
-  const Node value = node.at("surface_velocity");
-  if (value.value().is_object()) {
-    value.read_unit("direction", surface.direction);
-    surface.speed = parse_motion(value.at("speed"), format);
-    return surface;
-  }
   Vec3d v;
   node.read("surface_velocity", v);
   const double speed = norm(v);
@@ -122,6 +115,16 @@ SurfaceVelocity parse_surface_velocity(const Node& node, const std::string& form
               "leave it out, or give the velocity of the surface [m/s]");
   surface.direction = (1 / speed) * v;
   surface.speed = ConstantMotion{speed, 0};
+  return surface;
+}
+
+// Three numbers are a constant velocity.
+SurfaceVelocity parse_surface_velocity(const Node& node, const std::string& format) {
+  const Node value = node.at("surface_velocity");
+  if (!value.value().is_object()) return parse_constant_surface_velocity(node);
+  SurfaceVelocity surface;
+  value.read_unit("direction", surface.direction);
+  surface.speed = parse_motion(value.at("speed"), format);
   return surface;
 }
 
@@ -155,8 +158,11 @@ Shape parse_contact_shape(const Node& node, const Names& surfaces) {
 
 BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& bodies) {
   BodyContact contact;
-  if (node.has("impacts") && node.value().at("impacts").get<std::string>() == "within_steps")
-    contact.impacts = Impacts::within_steps;
+  if (node.has("impacts")) {
+    const auto impacts = node.value().at("impacts").get<std::string>();
+    if (impacts == "within_steps") contact.impacts = Impacts::within_steps;
+    if (impacts == "time_stepping") contact.impacts = Impacts::time_stepping;
+  }
   for (const Node& from : node.elements("materials")) {
     ContactMaterial material;
     from.read("name", material.name);
@@ -192,8 +198,10 @@ BodyContact parse_contact(const Node& node, const Names& surfaces, const Names& 
     contact.pairs.push_back(pair);
   }
   node.names("ground");
-  for (const Node& from : node.elements("ground"))
-    contact.ground.push_back(parse_contact_shape(from, surfaces));
+  for (const Node& from : node.elements("ground")) {
+    Shape& shape = contact.ground.emplace_back(parse_contact_shape(from, surfaces));
+    if (from.has("surface_velocity")) shape.surface_velocity = parse_constant_surface_velocity(from);
+  }
   for (const Node& from : node.elements("ignore")) {
     std::array<BodyId, 2> pair;
     for (std::size_t i = 0; i < 2; ++i) {

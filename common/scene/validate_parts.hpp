@@ -36,6 +36,9 @@ void require_revolute(const Joint& joint, const Mbd& mbd, const std::string& hin
 // Shapes of bodies, and masses that follow from them.
 void validate_shapes(const Scene& scene, const std::string& origin);
 
+// What time stepping of contacts does not compute; `scene` has mbd.contact.
+void validate_time_stepping(const Scene& scene, const std::string& origin);
+
 // Whether shapes of two bodies touch where they meet: the scene has mbd.contact, no joint connects the
 // bodies, and they are not in `ignore`.
 bool may_touch(const Scene& scene, BodyId a, BodyId b);

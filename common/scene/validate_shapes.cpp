@@ -30,6 +30,7 @@ void validate_contact(const Scene& scene, const std::string& origin) {
     fail(origin, "mbd.contact.impacts",
          "steps of one length do not see how hard bodies hit each other within them",
          "give mbd.integrator.error_tolerance, such as 3e-5, or leave out impacts");
+  validate_time_stepping(scene, origin);
   const Mbd& mbd = *scene.mbd;
   if (!mbd.server.empty())
     fail(origin, "mbd.contact",

@@ -25,6 +25,8 @@ std::vector<std::string> left_out(const Model& model) {
   if (!model.driven) list.push_back("no prescribed motion");
   if (model.springs.empty()) list.push_back("no springs between points");
   if (model.contact.impacts_within_steps) list.push_back("no steps that end where contacts begin and end");
+  if (model.contact.time_stepping)
+    list.push_back("no impacts of bodies: time stepping, one convex minimum for each step of fixed length");
   if (model.welded > 0)
     list.push_back(fmt::format("{} bodies welded to another or to the ground: merged", model.welded));
   return list;
@@ -194,6 +196,7 @@ std::string report_facts(const RunFigures& f) {
   if (f.body_contacts) {
     others["mbd_body_contacts"] = f.body_contacts->contacts;
     others["mbd_body_contact_steps"] = f.body_contacts->steps;
+    others["mbd_contact_unsettled_steps"] = f.body_contacts->unsettled;
     others["mbd_contact_dissipated_J"] = f.totals.contact_loss;
     others["mbd_largest_contact_force_N"] = f.totals.contact_force;
     others["mbd_largest_contact_force_at_s"] = f.totals.contact_force_at;

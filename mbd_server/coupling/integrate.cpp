@@ -59,7 +59,8 @@ void MbdSolver::cross_break() {
   const double before = system.kinetic_energy();
   for (std::size_t k = 0; k < rates_before_.size(); ++k)
     rates_before_[k] = system.links()[prescribed_[k]].coordinate.rate;
-  machine_->integrator().jump(system, predicted_, state_);
+  // Time stepping finds the velocities of the end of a step anew, whatever the motions did before.
+  if (!machine_->time_stepping.apply()) machine_->integrator().jump(system, predicted_, state_);
   state_.step = 0;  // what the last step tells of the motion ends here
   system.residual(state_);
   record_jump(system.kinetic_energy() - before);
@@ -102,6 +103,20 @@ int MbdSolver::parts_of_impulse(double h) {
   const double acts = std::max(lasting * nominal_step_, predicted_.time);
   const double ratio = 12 * std::abs(machine_->method.constants().velocity_error_constant());
   return static_cast<int>(std::clamp(std::ceil(std::sqrt(acts * du * dx / 6 * ratio / allowed)), 1.0, most));
+}
+
+// A step of fixed length, in which contacts begin and end.
+void MbdSolver::take_time_step(double h) {
+  Machine& m = *machine_;
+  m.time_stepping.step(state_, m.system.links(), h);
+  const TimeStepAccount& account = m.time_stepping.account();
+  m.method.count({},
+                 {.steps = 1,
+                  .newton_iterations = account.effort.iterations,
+                  .factorisations = account.effort.factorisations},
+                 {});
+  m.touching.count({}, account.contacts);
+  m.touching.set_of_islands(account.lost, account.extremes);
 }
 
 // Takes steps no longer than the requested one; `length` is the time until `end`, without the round-off of a
@@ -159,7 +174,11 @@ void MbdSolver::integrate_until(double end, double length) {
     m.touching.begin(control_ ? longest_step_ : steps.length, energy_scale);
     double left = control_ ? end - state_.time : steps.length;
     do {
-      const double h = in_islands ? step_of_islands(left) : m.touching.step(state_, left, stride_to_stops);
+      double h = left;
+      if (m.time_stepping.apply())
+        take_time_step(h);
+      else
+        h = in_islands ? step_of_islands(left) : m.touching.step(state_, left, stride_to_stops);
       left -= h;
       // The end is set exactly, not as a sum of rounded steps.
       if (control_ ? end - state_.time < 1e-6 * h : i + 1 == steps.count && left <= 1e-12 * steps.length)

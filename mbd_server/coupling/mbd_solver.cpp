@@ -82,6 +82,7 @@ MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMe
       touching(model, method, system, state, contacts, stiction),
       islands(model, scene.mbd->integrator.rho_inf,
               {scene.mbd->integrator.tolerance, scene.mbd->integrator.max_iterations}),
+      time_stepping(model),
       joints(model),
       undetermined(model),
       balance(model),
@@ -154,6 +155,7 @@ protocol::Configured MbdSolver::configure(const scene::Scene& scene, const std::
   machine_->integrator().start(machine_->system, state_, cut(scene.coupling.window).length);
   machine_->touching.note_start(state_, cut(scene.coupling.window).length);
   machine_->islands.prepare(state_);
+  machine_->time_stepping.prepare(state_);
   predicted_ = state_;
   before_.resize(model.boundary.size());
   motion_.bodies.resize(model.boundary.size());

@@ -22,6 +22,7 @@
 #include "mbd_server/step/step_control.hpp"
 #include "mbd_server/step/stiction.hpp"
 #include "mbd_server/step/stop_contacts.hpp"
+#include "mbd_server/time_stepping/time_stepping.hpp"
 
 namespace tandem::mbd {
 
@@ -67,6 +68,7 @@ class MbdSolver final : public protocol::MotionSolver {
     Stiction stiction;
     BodyContacts touching;
     ContactIslands islands;
+    TimeStepping time_stepping;
     JointObserver joints;
     UndeterminedReactions undetermined;
     EnergyBalance balance;
@@ -110,6 +112,8 @@ class MbdSolver final : public protocol::MotionSolver {
   std::string difference_of_runs();
   void record_step(double h);
   void record_contacts();
+  void take_time_step(double h);
+  void record_time_step();
   void record_jump(double energy);
   void watch_energy();
   void record_energy();

@@ -57,7 +57,10 @@ void MbdSolver::record_step(double h) {
   // Steps in parts, those of an error control and the mean of two runs do not go by the trapezoidal rule.
   const bool sudden =
       between_close_breaks_ && !control_ && sums_local_errors() && !machine_->method.error_of_parts();
-  machine_->balance.add_step(state_, machine_->system, h, sudden, totals_.energy);
+  if (machine_->time_stepping.apply())
+    record_time_step();
+  else
+    machine_->balance.add_step(state_, machine_->system, h, sudden, totals_.energy);
   machine_->contacts.take_lost(
       [this](double energy, int account) { totals_.energy.add(&EnergySums::dissipated, energy, account); });
   if (!machine_->model.contact.empty()) record_contacts();
@@ -73,6 +76,18 @@ void MbdSolver::record_step(double h) {
   watch_energy();
   record_turn();
   if (state_.z.size() > 0) record_cavitation(h);
+}
+
+// Motions and surfaces work by the impulses of a step, and there are no other forces.
+void MbdSolver::record_time_step() {
+  const Machine& m = *machine_;
+  EnergySums& energy = totals_.energy;
+  const TimeStepAccount& account = m.time_stepping.account();
+  for (std::size_t i = 0; i < m.model.links.size(); ++i)
+    if (m.model.links[i].motion != none)
+      energy.add(&EnergySums::motion_work, account.motion_work[i], m.model.links[i].account);
+  energy.add(&EnergySums::motion_work, account.surface_work);
+  energy.largest_kinetic = std::max(energy.largest_kinetic, m.system.kinetic_energy());
 }
 
 void MbdSolver::record_contacts() {
@@ -149,7 +164,7 @@ void MbdSolver::record_energy() {
 
 // Extrapolation removes their leading term, and the explicit method has others.
 bool MbdSolver::sums_local_errors() const {
-  return !machine_->extrapolation && !machine_->explicit_method;
+  return !machine_->extrapolation && !machine_->explicit_method && !machine_->time_stepping.apply();
 }
 
 // Estimates the local error as the error control does (generalized_alpha.hpp), from the rate of the

@@ -31,7 +31,8 @@ std::string machine(const Model& model) {
          fmt::format("{} boundary bodies, {} inputs, {} elements\n", model.boundary.size(), model.inputs,
                      model.accounts) +
          (model.contact.empty() ? std::string()
-                                : fmt::format("{} shapes of contact\n", model.contact.shapes.size()));
+                                : fmt::format("{} shapes of contact\n", model.contact.shapes.size())) +
+         (model.contact.time_stepping ? "time stepping of contacts\n" : "");
 }
 
 // The first line in which the texts differ.

@@ -21,11 +21,12 @@ struct ContactShape {
   int body = none;   // body of the scene; none: ground
   LinkIndex link = 0;
   int material = 0;
-  double radius = 0;                      // of sphere, capsule and cylinder [m]
-  Vector3d centre = Vector3d::Zero();     // a point of the plane; else of the bounding sphere [m]
-  Matrix3d axes = Matrix3d::Identity();   // of the box, as columns; the last is the plane's normal [-]
-  Vector3d half_size = Vector3d::Zero();  // of the box [m]
-  double bound = 0;                       // radius of the bounding sphere about `centre` [m]
+  double radius = 0;                             // of sphere, capsule and cylinder [m]
+  Vector3d centre = Vector3d::Zero();            // a point of the plane; else of the bounding sphere [m]
+  Vector3d surface_velocity = Vector3d::Zero();  // along itself, as of a belt; with time_stepping only [m/s]
+  Matrix3d axes = Matrix3d::Identity();          // of the box, as columns; the last is the plane's normal [-]
+  Vector3d half_size = Vector3d::Zero();         // of the box [m]
+  double bound = 0;                              // radius of the bounding sphere about `centre` [m]
   double thickness =
       0;  // a body that moves by less does not pass through it; where a mesh is touched that of its faces [m]
   // Of the sphere its centre, of capsule and cylinder the ends of the axis, of box and hull the corners, of a
@@ -69,6 +70,7 @@ struct ContactOutput {
 
 struct BodyContactModel {
   bool impacts_within_steps = false;  // steps end neither where contacts begin nor where they end
+  bool time_stepping = false;         // steps are those of time_stepping/
   std::vector<ContactShape> shapes;
   std::vector<ContactLaw> laws;            // (materials x materials)
   std::vector<std::pair<int, int>> apart;  // bodies that pass through each other, sorted, first < second

@@ -93,6 +93,9 @@ struct ContactPlacer {
     s.axes = turned.toRotationMatrix();
     s.material = shape.contact_material;
     s.file = text_of_file(shape);
+    if (const auto& surface = shape.surface_velocity)
+      s.surface_velocity =
+          std::get<scene::ConstantMotion>(surface->speed).value * to_eigen(surface->direction);
     const auto local = [&](const Vector3d& p) { return place(to_vec3(p)).p_LP; };
     if (const auto* sphere = std::get_if<scene::SphereShape>(&shape.geometry)) {
       s.kind = ContactShape::Kind::sphere;
@@ -271,6 +274,7 @@ struct ContactPlacer {
 
   void find_apart() {
     model.contact.impacts_within_steps = contact.impacts == scene::Impacts::within_steps;
+    model.contact.time_stepping = contact.impacts == scene::Impacts::time_stepping;
     auto& apart = model.contact.apart;
     const auto add_pair = [&](int a, int b) { apart.emplace_back(std::min(a, b), std::max(a, b)); };
     for (const SceneJoint& joint : model.joints)

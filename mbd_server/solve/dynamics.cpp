@@ -225,7 +225,10 @@ void Dynamics::apply_closures(const State& state) {
 // The derivatives, which take several times longer than the forces, follow in linearise_contacts().
 void Dynamics::apply_contacts(const State& state) {
   if (model_.contact.empty()) return;
-  contacts_ = state.contacts;
+  if (model_.contact.time_stepping && state.steps > 0)
+    keep_contacts_of_motions(state);
+  else
+    contacts_ = state.contacts;
   moving_contacts_.clear();
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const auto [a, b] = links_of_contact(k);
@@ -238,6 +241,16 @@ void Dynamics::apply_contacts(const State& state) {
   std::sort(moving_contacts_.begin(), moving_contacts_.end());
   moving_contacts_.erase(std::unique(moving_contacts_.begin(), moving_contacts_.end()),
                          moving_contacts_.end());
+}
+
+// Time stepping has no use for the forces at the end of a step; they are part of what moves a joint.
+void Dynamics::keep_contacts_of_motions(const State& state) {
+  contacts_.clear();
+  const auto is_moved = [&](int shape) {
+    return model_.links[static_cast<std::size_t>(model_.contact.shape(shape).link)].motion != none;
+  };
+  for (const ContactPoint& point : state.contacts)
+    if (is_moved(point.feature.a) || is_moved(point.feature.b)) contacts_.push_back(point);
 }
 
 bool Dynamics::is_fine(const VectorXd& dx) const {

@@ -96,6 +96,7 @@ class Dynamics {
   void add_motors(const State& state);
   void apply_closures(const State& state);
   void apply_contacts(const State& state);
+  void keep_contacts_of_motions(const State& state);
   std::pair<LinkIndex, LinkIndex> links_of_contact(std::size_t k) const;
   void add_joint_forces(const State& state);
   bool needs_velocity_gradient(const MatrixWeights& weights) const;

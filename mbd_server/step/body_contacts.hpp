@@ -38,6 +38,8 @@ namespace tandem::mbd {
 struct BodyContactCounters {
   std::uint64_t contacts = 0;  // points that came into contact
   std::uint64_t steps = 0;     // taken with a point in contact
+  // Time stepping: steps whose friction does not fit the normal forces to the tolerance.
+  std::uint64_t unsettled = 0;
 };
 
 // Energy of the contacts at the start that no load holds: it throws bodies apart.
@@ -79,6 +81,7 @@ class BodyContacts {
   void count(const BodyContactCounters& before, const BodyContactCounters& after) {
     counters_.contacts += after.contacts - before.contacts;
     counters_.steps += after.steps - before.steps;
+    counters_.unsettled += after.unsettled - before.unsettled;
   }
   // Sets what the last step of all islands has lost [J], and its extremes.
   void set_of_islands(double lost, const ContactExtremes& extremes) {

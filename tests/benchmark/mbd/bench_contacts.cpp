@@ -1,6 +1,8 @@
 // Processor time of contacts between bodies over their number:
 //
-//   bench_contacts TOPOLOGY BODIES STEPS
+//   bench_contacts TOPOLOGY BODIES STEPS [stepping]
+//
+// With `stepping` by time stepping (mbd.contact.impacts), in steps of 2 ms.
 //
 // TOPOLOGY is pairs (two boxes on each other, many such pairs beside each other on a floor), wall (boxes in
 // bond, as high as wide), pile (boxes in bond in both directions, as high as wide) or heap (turned boxes and
@@ -120,14 +122,19 @@ scene::Scene made(const std::string& topology, int bodies) {
 
 int main(int count, char** arguments) {
   using namespace tandem;
-  if (count != 4) return 2;
+  if (count != 4 && count != 5) return 2;
   log::setup("bench_contacts", "error");
   const std::string topology = arguments[1];
   const int bodies = std::atoi(arguments[2]), steps = std::atoi(arguments[3]);
   mbd::MbdSolver solver;
-  solver.configure(mbd::made(topology, bodies));
-  const bool falls = topology == "well";
-  const std::int64_t window = falls ? 2000000 : 1000000;  // [ns]
+  scene::Scene scene = mbd::made(topology, bodies);
+  const bool falls = topology == "well", stepping = count == 5;
+  if (stepping) {
+    scene.contact->impacts = scene::Impacts::time_stepping;
+    scene.coupling.window = 2e-3;
+  }
+  solver.configure(scene);
+  const std::int64_t window = falls || stepping ? 2000000 : 1000000;  // [ns]
   std::uint64_t done = 0;
   const auto advance = [&] {
     const auto begin = static_cast<std::int64_t>(done) * window;

@@ -30,7 +30,7 @@ BELOW = {
 }
 # The layers of particles and of each server, from the lowest up.
 LAYERS = {
-    "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "contact", "setup", "solve", "step", "io",
+    "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "contact", "setup", "solve", "step", "time_stepping", "io",
                    "coupling", "main.cpp"],
     "particles": ["base", "geometry", "grid", "io", "state", "backend", "serving"],
     "dem_server": ["laws", "contact", "neighbours", "step", "backend", "engine", "coupling", "main.cpp"],

@@ -47,6 +47,17 @@ const WrongScene wrong_contacts[] = {
     {"ImpactsWithinFixedSteps", CONTACT(HARD, R"(, "impacts": "within_steps")", BALL),
      "mbd.contact.impacts: steps of one length do not see how hard bodies hit each other within them (give "
      "mbd.integrator.error_tolerance, such as 3e-5, or leave out impacts)"},
+    {"SurfaceVelocityWithImpacts",
+     CONTACT(
+         HARD,
+         R"(, "ground": [{"name": "belt", "material": "hard", "surface_velocity": [1, 0, 0], "shape": {"type": "box", "size": [1, 1, 1]}}])",
+         BALL),
+     "mbd.contact.ground[0].surface_velocity: a surface of contact moves along itself with time stepping "
+     "only (give "
+     "mbd.contact.impacts \"time_stepping\", or leave out surface_velocity)"},
+    {"TimeSteppingWithParticles", CONTACT(HARD, R"(, "impacts": "time_stepping")", BALL),
+     "mbd.contact.impacts: time stepping of contacts takes no loads of particles (leave out impacts, or the "
+     "particles)"},
     {"PairTwice",
      CONTACT(HARD "," ROUND,
              R"(, "pairs": [{"a": "hard", "b": "round", "stiffness": 1}, {"a": "round", "b": "hard"}])",

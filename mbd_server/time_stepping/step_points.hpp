@@ -1,0 +1,58 @@
+// The points of contact of a step: near pairs of shapes, their features, and which of these continue points
+// of the step before.
+#pragma once
+
+#include <vector>
+
+#include "mbd_server/contact/features.hpp"
+
+namespace tandem::mbd {
+
+class StepPoints {
+ public:
+  explicit StepPoints(const Model& model) : model_(model) {}
+
+  // A feature that may touch within the step.
+  struct Found {
+    ContactFeature feature;
+    Eigen::Index point;  // of the step before that it continues; -1: none
+  };
+
+  // Call first in a step of length h.
+  void begin(const std::vector<LinkMotion>& links, double h);
+  // Whether two shapes of a pair may touch within the step.
+  template <class F>
+  void for_each_near(F&& f) const {
+    for (const NearPair& pair : pairs_)
+      if (is_near(pair)) f(pair.a, pair.b);
+  }
+  bool may_touch(int a, int b);
+  // The features of the pair; `points`: those of the step before, in the order of sort().
+  void find(int a, int b, const std::vector<ContactPoint>& points, std::vector<Found>& found);
+  // Largest way of a point of the shape in the step, at the rates of its begin [m].
+  double travel(int shape) const { return bounds_[static_cast<std::size_t>(shape)].travel; }
+
+  // Points by pairs of shapes.
+  static void sort(std::vector<ContactPoint>& points);
+
+ private:
+  struct Bound {  // sphere about a shape
+    Vector3d centre;
+    double travel;
+  };
+  bool is_near(const NearPair& pair) const;
+  double reach(int a, int b) const { return travel(a) + travel(b); }
+  void match(const std::vector<ContactPoint>& points, std::size_t first, std::size_t last);
+
+  const Model& model_;
+  const std::vector<LinkMotion>* links_ = nullptr;
+  std::vector<Bound> bounds_;  // (shapes)
+  // Pairs that are near while no shape has moved by more than its margin from where it was [m] (shapes).
+  std::vector<NearPair> pairs_;
+  std::vector<double> margins_;
+  std::vector<Vector3d> centres_;
+  std::vector<ContactFeature> features_;
+  std::vector<Eigen::Index> point_of_;
+};
+
+}  // namespace tandem::mbd
