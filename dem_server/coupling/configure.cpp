@@ -186,11 +186,6 @@ void Solver::expect_ranks() const {
   const auto refuse = [](const std::string& problem, const std::string& remedy) {
     throw Error(ErrorCode::usage, problem, "--ranks", remedy);
   };
-  if (scene_.output.dissipation)
-    refuse("several ranks do not sum the dissipated energy yet", "leave --ranks out, or output.dissipation");
-  if (scene_.output.evaluates_contacts())
-    refuse("several ranks do not send the contacts of spheres yet",
-           "leave --ranks out, or output.contacts and the output.fields of contacts");
   constexpr std::size_t fewest = 50;  // spheres of a rank
   const std::size_t most = spheres_ / fewest;
   if (ranks_->size() > std::max<std::size_t>(1, most))

@@ -21,7 +21,7 @@ class LeadingSolver final : public protocol::LoadSolver {
   LeadingSolver(const LeadingSolver&) = delete;
   LeadingSolver& operator=(const LeadingSolver&) = delete;
 
-  std::uint64_t capabilities() const override;
+  std::uint64_t capabilities() const override { return own_->capabilities(); }
   protocol::Configured configure(const protocol::Configuration& configuration) override;
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
   const protocol::TangentSet& linearise() override;
@@ -30,6 +30,8 @@ class LeadingSolver final : public protocol::LoadSolver {
   const protocol::ParticlesFrame& read_snapshot() override;
   void save() override;
   void restore() override;
+  void checkpoint(const protocol::Checkpoint& file) override;
+  void resume(const protocol::Checkpoint& file) override;
   protocol::Report report() override;
 
  private:

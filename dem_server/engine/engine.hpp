@@ -168,8 +168,9 @@ class Engine {
   virtual const WindowOutcome& advance(const WindowPlan& plan) = 0;
   virtual void save() = 0;
   virtual void restore() = 0;
-  // The state that save() keeps, as bytes. An engine of the same scene, law and precision that reads them
-  // continues with the same bits. Error{resource} where an array does not fit this engine.
+  // The state that save() keeps, as bytes; with ranks that of all of them, on rank 0 only. An engine of the
+  // same scene, law and precision that reads them continues with the same bits, on any number of ranks.
+  // Error{resource} where an array does not fit this engine.
   virtual void write(const ArraySink& sink) = 0;
   virtual void read(const ArraySource& source) = 0;
   // Tangents of the contacts with each body's walls at the end of the last window, for these poses, one per

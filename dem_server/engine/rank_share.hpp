@@ -99,6 +99,12 @@ struct GhostLink {
   Range ghosts;                     // spheres of that rank that are ghosts here
 };
 
+// Of `count` things in order, the part of a rank.
+inline Range equal_share(std::uint32_t count, unsigned rank, unsigned ranks) {
+  const auto begin = [&](std::uint64_t of) { return static_cast<std::uint32_t>(count * of / ranks); };
+  return {begin(rank), begin(std::uint64_t{rank} + 1)};
+}
+
 struct RankShare {
   Range owned;                         // see SphereArrays
   std::uint32_t all = 0;               // spheres of all ranks

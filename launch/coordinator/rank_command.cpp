@@ -41,9 +41,6 @@ void expect_ranks(const RunOptions& options) {
   if (options.backend == "cuda")
     refuse("several ranks run on the cores of this host, not on GPUs yet",
            "give --backend cpu, or no --ranks");
-  if (options.checkpoint_every > 0 || !options.restart.empty())
-    refuse("several ranks write and read no restart files yet",
-           "leave --ranks out, or --checkpoint-every and --restart");
   expect_program();
 }
 
@@ -54,11 +51,6 @@ void expect_ranks(const RunOptions& options, const scene::Scene& scene, const Fo
   if (foreign.of(protocol::Role::dem))
     refuse("several ranks are those of dem_server, and another program computes the spheres of this run",
            "leave one of the two out");
-  if (scene.output.evaluates_contacts())
-    refuse("several ranks do not send the contacts of spheres yet",
-           "leave --ranks out, or output.contacts and the output.fields of contacts");
-  if (scene.output.dissipation)
-    refuse("several ranks do not sum the dissipated energy yet", "leave --ranks out, or output.dissipation");
 }
 
 Command start_of_ranks(unsigned ranks, const std::vector<std::string>& arguments) {

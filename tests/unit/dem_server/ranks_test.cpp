@@ -9,11 +9,9 @@
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/engine/rank_share.hpp"
 #include "tests/support/boulder.hpp"
-#include "tests/support/particle_run.hpp"
-#include "tests/support/particle_scenes.hpp"
 #include "tests/support/periodic_scene.hpp"
+#include "tests/support/rank_runs.hpp"
 #include "tests/support/solver_run.hpp"
-#include "tests/support/thread_ranks.hpp"
 #include "tests/support/tool_scene.hpp"
 
 namespace tandem::test {
@@ -21,101 +19,30 @@ namespace {
 
 using particles::Backend;
 
-constexpr double dt = 2e-5;  // [s]
-
-// What a run reports, to be compared bit by bit.
-struct Result {
-  std::string hash;
-  std::vector<double> values;
-  std::vector<double> frame;                           // on rank 0
-  std::uint64_t rebuilds = 0, contacts = 0, lost = 0;  // contacts: the most after a window
-
-  void add(const Vec3d& v) { values.insert(values.end(), {v.x, v.y, v.z}); }
-  void add(const dem::WindowOutcome& o) {
-    for (const Wrench& load : o.load) add(load.force), add(load.torque);
-    for (const dem::Totals& t : {o.begin, o.end}) {
-      add(t.momentum);
-      values.insert(values.end(), {t.mass, t.kinetic_energy, static_cast<double>(t.contacts)});
-    }
-    add(o.lost_momentum), add(o.gravity_impulse);
-    values.insert(values.end(), {o.max_overlap_ratio, o.max_speed, o.skin, static_cast<double>(o.window.used),
-                                 static_cast<double>(o.window.lost)});
-    values.insert(values.end(), o.wall_means.begin(), o.wall_means.end());
-    values.insert(values.end(), o.belt_pull.begin(), o.belt_pull.end());
-    rebuilds = o.window.rebuilds, lost = o.window.lost;
-    contacts = std::max(contacts, o.end.contacts);
-  }
-};
-
-struct Case {
-  std::string json;
-  int windows = 6;
-  std::uint32_t steps = 400;
-  void (*change)(particles::Spheres&) = [](particles::Spheres&) {};
-  // Between two windows, on all ranks.
-  void (*between)(ParticleRun&, int window, Result&) = [](ParticleRun&, int, Result&) {};
-  std::vector<std::vector<std::int64_t>> weights = {};  // of the ranks, window after window
-};
-
-Result result_of(const Case& c, ThreadRanks* ranks) {
-  ParticleRun run(c.json, Backend::cpu, 1, c.change, {}, ranks);
-  Result result;
-  for (int w = 0; w < c.windows; ++w) {
-    c.between(run, w, result);
-    if (ranks != nullptr && !c.weights.empty())
-      ranks->set_weights(c.weights[static_cast<std::size_t>(w) % c.weights.size()]);
-    result.add(run.advance(c.steps, dt));
-  }
-  result.hash = dem::state_hash(run.state());
-  return result;
-}
-
-Result expect_same_bits(const Case& c, const std::vector<unsigned>& sizes = {2, 3}) {
-  const Result one = result_of(c, nullptr);
-  EXPECT_GE(one.rebuilds, 3u);
-  EXPECT_GT(one.contacts, 0u);
-  for (const unsigned size : sizes)
-    on_ranks(size, [&](ThreadRanks& ranks) {
-      const Result found = result_of(c, &ranks);
-      if (ranks.rank() == 0) {
-        EXPECT_EQ(found.hash, one.hash) << size << " ranks";
-        EXPECT_EQ(found.frame, one.frame) << size << " ranks";
-      }
-      EXPECT_EQ(found.values, one.values) << "rank " << ranks.rank() << " of " << size;
-      EXPECT_EQ(found.rebuilds, one.rebuilds);
-    });
-  return one;
-}
-
-struct Law {
-  const char *name, *contact, *options;
-};
-void PrintTo(const Law& law, std::ostream* out) {
-  *out << law.name;
-}
-class LawOverRanks : public testing::TestWithParam<Law> {};
+class LawOverRanks : public testing::TestWithParam<LawOfRanks> {};
 INSTANTIATE_TEST_SUITE_P(
     Laws, LawOverRanks,
-    testing::Values(Law{"hertz_mindlin", "hertz_mindlin", ""}, Law{"frictionless", "hertz_frictionless", ""},
-                    Law{"paper", "paper", ""}, Law{"double", "hertz_mindlin", R"("precision": "double",)"},
-                    Law{"frictionless_double", "hertz_frictionless", R"("precision": "double",)"},
-                    Law{"hooke", "hooke", ""},
-                    Law{"jkr_rolling", "jkr",
-                        R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)"},
-                    Law{"sjkr_double", "sjkr", R"("precision": "double", "rolling": "elastic_plastic",)"}),
+    testing::Values(
+        LawOfRanks{"hertz_mindlin", "hertz_mindlin", ""},
+        LawOfRanks{"frictionless", "hertz_frictionless", ""}, LawOfRanks{"paper", "paper", ""},
+        LawOfRanks{"double", "hertz_mindlin", R"("precision": "double",)"},
+        LawOfRanks{"frictionless_double", "hertz_frictionless", R"("precision": "double",)"},
+        LawOfRanks{"hooke", "hooke", ""},
+        LawOfRanks{"jkr_rolling", "jkr", R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)"},
+        LawOfRanks{"sjkr_double", "sjkr", R"("precision": "double", "rolling": "elastic_plastic",)"}),
     [](const auto& law) { return std::string(law.param.name); });
 
 TEST_P(LawOverRanks, GivesTheBitsOfOneProcess) {
-  expect_same_bits({falling_spheres(GetParam().contact, GetParam().options), 5, 400}, {2, 4});
+  expect_same_bits({few_spheres(GetParam().contact, GetParam().options), 4, 400}, {3});
 }
 
 TEST(Ranks, OfABoulderAmongSmallSpheres) {
-  Case c{falling_spheres("hertz_mindlin", "", 401), 8, 25, make_boulder};
+  RankCase c{falling_spheres("hertz_mindlin", "", 401), 8, 25, make_boulder};
   EXPECT_GT(expect_same_bits(c).contacts, 100u);
 }
 
 TEST(Ranks, AcrossPeriodicFaces) {
-  Case c{chute(nlohmann::json::object()).json(), 10, 400};
+  RankCase c{chute(nlohmann::json::object()).json(), 10, 400};
   EXPECT_GT(expect_same_bits(c).contacts, 100u);
 }
 
@@ -125,7 +52,7 @@ TEST(Ranks, MoreThanBlocksOfCells) {
 }
 
 TEST(Ranks, WithUnevenSharesThatChange) {
-  Case c{falling_spheres("hertz_mindlin"), 8, 400};
+  RankCase c{few_spheres("hertz_mindlin"), 8, 400};
   c.weights = {{1, 1, 1}, {10, 1, 1}, {1, 0, 5}, {0, 0, 1}, {3, 20, 1}};
   expect_same_bits(c, {3});
 }
@@ -154,9 +81,9 @@ TEST(CellShares, AreInProportionToTheWeights) {
 }
 
 TEST(Ranks, RestoredContinueToTheSameBits) {
-  Case c{falling_spheres("hertz_mindlin")};
+  RankCase c{few_spheres("hertz_mindlin")};
   c.windows = 9;
-  c.between = [](ParticleRun& run, int window, Result&) {
+  c.between = [](ParticleRun& run, int window, RankResult&) {
     if (window == 4) run.engine->save();
     if (window == 7) run.engine->restore();
   };
@@ -165,8 +92,8 @@ TEST(Ranks, RestoredContinueToTheSameBits) {
 
 // Spheres that leave through an outlet, and later come in at the top, where other ranks have their cells.
 TEST(Ranks, WithSpheresThatGoOutAndComeIn) {
-  Case c{falling_spheres("hertz_mindlin"), 12, 150, [](particles::Spheres& s) { s.waiting = 40; }};
-  c.between = [](ParticleRun& run, int window, Result& result) {
+  RankCase c{few_spheres("hertz_mindlin"), 12, 150, [](particles::Spheres& s) { s.waiting = 40; }};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
     if (window == 6)
       result.values.push_back(
           static_cast<double>(run.engine->remove({{-0.3, -0.3, -0.1}, {0.0, 0.3, 0.8}, {}, false})));
@@ -188,15 +115,15 @@ TEST(Ranks, WithSpheresThatGoOutAndComeIn) {
 }
 
 TEST(Ranks, WithSpheresThatLeaveTheDomain) {
-  std::string json = falling_spheres("hertz_mindlin");
+  std::string json = few_spheres("hertz_mindlin");
   const std::string domain = R"("min": [-0.3, -0.3, -0.1])";
   json.replace(json.find(domain), domain.size(), R"("min": [-0.3, -0.3, 0.045])");
   EXPECT_GT(expect_same_bits({json, 10, 400}).lost, 10u);
 }
 
 TEST(Ranks, MeasureRegions) {
-  Case c{falling_spheres("hertz_mindlin")};
-  c.between = [](ParticleRun& run, int, Result& result) {
+  RankCase c{few_spheres("hertz_mindlin")};
+  c.between = [](ParticleRun& run, int, RankResult& result) {
     const dem::MeasuredRegion region{{0, 0, 0.2}, {}, {0.1, 0.08, 0.15}, false, {0, 0, 1}, {}};
     for (const dem::RegionSums& sums : run.engine->measure({&region, 1})) {
       result.add(sums.moment), result.add(sums.momentum);
@@ -208,8 +135,8 @@ TEST(Ranks, MeasureRegions) {
 }
 
 TEST(Ranks, KeepASnapshot) {
-  Case c{falling_spheres("hertz_mindlin")};
-  c.between = [](ParticleRun& run, int window, Result& result) {
+  RankCase c{few_spheres("hertz_mindlin")};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
     static thread_local dem::SphereFrame frame;
     if (window == 3) run.engine->snapshot();
     if (window == 5) {
@@ -227,13 +154,13 @@ TEST(Ranks, EndTogetherWhereASphereIsTooFast) {
     std::atomic<unsigned> found = 0;
     on_ranks(size, [&](ThreadRanks& ranks) {
       ParticleRun run(
-          falling_spheres("hertz_mindlin"), Backend::cpu, 1,
+          few_spheres("hertz_mindlin"), Backend::cpu, 1,
           [](particles::Spheres& s) {
             s.velocity[40] = {0, 0, 1e9};
           },
           {}, size > 1 ? &ranks : nullptr);
       try {
-        run.advance(10, dt);
+        run.advance(10, rank_dt);
       } catch (const dem::SphereError& error) {
         const std::size_t expected = ranks.rank() == 0 || size == 1 ? run.spheres.size() : 0;
         EXPECT_EQ(error.before.size(), expected);
@@ -245,14 +172,55 @@ TEST(Ranks, EndTogetherWhereASphereIsTooFast) {
 }
 
 TEST(Ranks, SumWhatActsOnWalls) {
-  nlohmann::json scene = nlohmann::json::parse(falling_spheres("hertz_mindlin"));
+  nlohmann::json scene = nlohmann::json::parse(few_spheres("hertz_mindlin"));
   for (const char* wall : {"box", "plate", "floor"})
     scene["dem"]["sensors"].push_back({{"name", wall}, {"wall", wall}});
   scene["output"]["wall_fields"] = {"plate", "box"};
-  Case c{scene.dump()};
-  c.between = [](ParticleRun& run, int, Result& result) {
+  RankCase c{scene.dump()};
+  c.between = [](ParticleRun& run, int, RankResult& result) {
     const std::vector<double>& fields = run.engine->wall_fields();
     result.values.insert(result.values.end(), fields.begin(), fields.end());
+  };
+  expect_same_bits(c, {3});
+}
+
+TEST(Ranks, SumTheDissipatedEnergy) {
+  nlohmann::json scene =
+      nlohmann::json::parse(few_spheres("hertz_mindlin", R"("rolling": "elastic_plastic",)"));
+  scene["output"]["dissipation"] = true;
+  RankCase c{scene.dump()};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
+    const std::vector<double> energy = run.engine->dissipated();
+    for (const double part : energy) EXPECT_TRUE(window < 4 || part > 0);
+    result.values.insert(result.values.end(), energy.begin(), energy.end());
+  };
+  expect_same_bits(c, {3});
+}
+
+// From the frame at the start on, for which lists are built that the run does without.
+TEST(Ranks, SendTheContactsOfSpheresAndBodies) {
+  nlohmann::json scene = nlohmann::json::parse(few_spheres("hertz_mindlin"));
+  scene["output"]["fields"] = {"contact_count", "mean_stress"};
+  scene["output"]["contacts"] = {"ground"};
+  RankCase c{scene.dump()};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
+    const std::vector<particles::BodyPose> poses{{{}, Quat{}.matrix(), {}, {}}};
+    const std::vector<std::uint8_t> wanted{1};
+    dem::ContactsFrame frame;
+    run.engine->download({poses, rank_dt}, frame);
+    std::uint32_t contacts = 0;
+    for (std::size_t i = 0; i < frame.count.size(); ++i) {
+      contacts += frame.count[i];
+      result.frame.insert(result.frame.end(), {static_cast<double>(frame.count[i]), frame.mean_stress[i]});
+    }
+    const std::vector<dem::BodyContact> of_ground = run.engine->body_contacts({poses, rank_dt}, wanted);
+    for (const dem::BodyContact& at : of_ground)
+      result.frame.insert(result.frame.end(), {static_cast<double>(at.sphere), at.point.x, at.point.y,
+                                               at.point.z, at.force.x, at.force.y, at.force.z});
+    if (window == 5 && !frame.count.empty()) {
+      EXPECT_GT(contacts, 50u);
+      EXPECT_GT(of_ground.size(), 5u);
+    }
   };
   expect_same_bits(c, {3});
 }
