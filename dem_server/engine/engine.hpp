@@ -212,6 +212,8 @@ class Engine {
   // The number of blocks of a GPU that keep the spheres in shared memory
   // (backend/cuda/resident/resident.cuh). 0: no window has been done yet, or steps go through global memory.
   virtual std::uint32_t regions() const = 0;
+  // With ranks: work of the busiest rank over the mean of all, by the pairs in the present lists [-].
+  virtual double rank_imbalance() const = 0;
 };
 
 // The variant and the back end that run a scene.

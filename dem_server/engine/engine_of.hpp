@@ -68,6 +68,7 @@ class EngineOf final : public Engine {
                                          std::span<const std::uint8_t> wanted) override;
   std::size_t memory_bytes() const override { return memory_.bytes(); }
   std::uint32_t regions() const override { return exec_.regions(); }
+  double rank_imbalance() const override { return rank_imbalance_; }
 
  private:
   using Memory = EngineMemory<Exec, Law, Real>;
@@ -91,6 +92,7 @@ class EngineOf final : public Engine {
   }
   void rebuild();
   void list_neighbours();
+  std::int64_t work_of(std::uint32_t i) const;
   CellShares balanced_shares() const;
   template <class F>
   void for_each_rank_near(std::uint32_t i, F f) const;
@@ -158,6 +160,7 @@ class EngineOf final : public Engine {
   RankShare share_, saved_share_;
   CellShares cell_shares_;     // of the present lists
   double largest_radius_ = 0;  // with ranks [m]
+  double rank_imbalance_ = 1;
   std::vector<Ranks::Bytes> parcels_;
   scene::Box domain_;  // where it is at the start of the run
   View<Real> view_;

@@ -22,16 +22,26 @@
 
 namespace tandem::dem {
 
+// Work of sphere i in a step, in halves of that of a pair. A sphere takes as long as a pair in its list, some
+// 30 ns [docs/experiments/2026-11-ranks.md]. A time that is measured in the run would give other shares,
+// though the same bits, each time.
+template <BackEnd Exec, class Law, class Real>
+std::int64_t EngineOf<Exec, Law, Real>::work_of(std::uint32_t i) const {
+  const ContactLists<Real>& lists = view_.lists;
+  const Range pairs = entries_of(lists.pairs.start, i), mirrors = entries_of(lists.mirror_start, i);
+  return std::int64_t{2} + (pairs.end - pairs.begin) + (mirrors.end - mirrors.begin);
+}
+
 template <BackEnd Exec, class Law, class Real>
 CellShares EngineOf<Exec, Law, Real>::balanced_shares() const {
   const FindCell<Real> cell_of{view_};
   const std::uint32_t side = view_.window->progress[0].state_side;
   constexpr std::uint32_t per_block = CellShares::cells_per_block;
-  std::vector<std::int64_t> spheres((view_.cells().total + per_block - 1) / per_block);
+  std::vector<std::int64_t> work((view_.cells().total + per_block - 1) / per_block);
   for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i)
-    if (!is_parked(view_.spheres.position[side][i])) ++spheres[cell_of(i) / per_block];
-  ranks_->sum(spheres);
-  return {spheres, ranks_->weights()};
+    if (!is_parked(view_.spheres.position[side][i])) work[cell_of(i) / per_block] += work_of(i);
+  ranks_->sum(work);
+  return {work, ranks_->weights()};
 }
 
 // Calls f(rank) for each rank that moves sphere i or may have a neighbour of it.
@@ -190,9 +200,13 @@ void EngineOf<Exec, Law, Real>::find_own_and_ghosts() {
 // To be called when the lists are built.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::connect_ghosts() {
-  std::vector<std::int64_t> spheres(ranks_->size());
+  std::vector<std::int64_t> spheres(ranks_->size()), work(ranks_->size());
   spheres[ranks_->rank()] = share_.owned.end - share_.owned.begin;
+  for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i) work[ranks_->rank()] += work_of(i);
   ranks_->sum(spheres);
+  ranks_->sum(work);
+  const double mean = std::accumulate(work.begin(), work.end(), 0.0) / ranks_->size();
+  rank_imbalance_ = mean > 0 ? static_cast<double>(std::ranges::max(work)) / mean : 1;
   const auto lower = spheres.begin() + ranks_->rank();
   const auto first = static_cast<std::uint32_t>(std::accumulate(spheres.begin(), lower, std::int64_t{0}));
   share_.all = static_cast<std::uint32_t>(std::accumulate(lower, spheres.end(), std::int64_t{first}));

@@ -40,8 +40,8 @@ void EngineOf<Exec, Law, Real>::take_part() {
   std::vector<std::uint32_t> ordinal(now.host_window.indices);
   std::iota(ordinal.begin(), ordinal.end(), 0u);
   const Range own = equal_share(used, ranks_->rank(), ranks_->size());
-  const ListedSpheres<Real> part =
-      part_of(listed_spheres<Real>(view, memory_.needs, {0, used}, ordinal), memory_.needs, own, share_.ordinal);
+  const ListedSpheres<Real> part = part_of(listed_spheres<Real>(view, memory_.needs, {0, used}, ordinal),
+                                           memory_.needs, own, share_.ordinal);
   store_spheres(exec_, memory_.needs, part, share_.ordinal, 0, now);
   const auto index_of = [this](std::uint32_t ordinal_wanted) {
     const auto at = std::ranges::lower_bound(share_.ordinal, ordinal_wanted);
@@ -62,7 +62,9 @@ void EngineOf<Exec, Law, Real>::take_part() {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::link_to_ghosts(const ListedSpheres<Real>& part) {
   const ContactLists<Real> lists = memory_.now.lists.view(memory_.needs);
-  const auto owns = [this](std::uint32_t i) { return i - share_.owned.begin < share_.owned.end - share_.owned.begin; };
+  const auto owns = [this](std::uint32_t i) {
+    return i - share_.owned.begin < share_.owned.end - share_.owned.begin;
+  };
   const auto send = [&](std::uint32_t own, std::uint32_t ghost) {
     for (GhostLink& link : share_.links)
       if (ghost - link.ghosts.begin < link.ghosts.end - link.ghosts.begin) link.send.push_back(own);

@@ -1,6 +1,6 @@
 // The spheres of a state with their lists, sphere by sphere, in the order of one process. An EngineState has
-// the same with indices, and with lists that refer to each other by where they begin. Here spheres are named by
-// their ordinals (engine/rank_share.hpp) and lists have only lengths, so that the spheres of all ranks are
+// the same with indices, and with lists that refer to each other by where they begin. Here spheres are named
+// by their ordinals (engine/rank_share.hpp) and lists have only lengths, so that the spheres of all ranks are
 // those of each rank in turn, and a part of them is what remains without the others.
 //
 // All ranks together make the state of one process, and any number of ranks continues from it.
@@ -51,8 +51,8 @@ struct ListedSpheres {
   template <class F>
   void transform(F f) {
     const auto each = [&f](auto&... array) { ((array = f(array)), ...); };
-    each(position, velocity, spin, fine, id, lengths, pair, spring, rolling, image, mirror, near, facet, history,
-         wall_rolling, slack);
+    each(position, velocity, spin, fine, id, lengths, pair, spring, rolling, image, mirror, near, facet,
+         history, wall_rolling, slack);
   }
 
   // Without its lists.
@@ -64,7 +64,8 @@ struct ListedSpheres {
     if (!from.id.empty()) id.push_back(from.id[i]);
     lengths.emplace_back();
   }
-  void append_sphere(const SphereArrays<Real>& from, std::uint32_t side, std::uint32_t i, const Needs& needs) {
+  void append_sphere(const SphereArrays<Real>& from, std::uint32_t side, std::uint32_t i,
+                     const Needs& needs) {
     position.push_back(from.position[side][i]);
     velocity.push_back(from.velocity[side][i]);
     velocity.back().label = Label::of_kind(velocity.back().kind());
@@ -86,13 +87,15 @@ ListedSpheres<Real> listed_spheres(const View<Real>& view, const Needs& needs, R
   const std::uint32_t side = view.window->progress[0].state_side;
   const bool are_lists = view.window->rebuilds > 0;
   std::vector<std::uint32_t> owner(are_lists ? view.window->listed : 0);  // of each pair
-  for (std::uint32_t i = 0; are_lists && i < view.spheres.count; ++i)
-    std::fill(owner.begin() + lists.pairs.start[i], owner.begin() + lists.pairs.start[i + 1], ordinal[i]);
+  for (std::uint32_t i = 0; are_lists && i < view.spheres.count; ++i) {
+    const Range pairs = entries_of(lists.pairs.start, i);
+    std::fill(owner.begin() + pairs.begin, owner.begin() + pairs.end, ordinal[i]);
+  }
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
     found.append_sphere(view.spheres, side, i, needs);
     if (!are_lists) continue;
     auto& lengths = found.lengths.back();
-    const Range pairs{lists.pairs.start[i], lists.pairs.start[i + 1]};
+    const Range pairs = entries_of(lists.pairs.start, i);
     lengths.pairs = pairs.end - pairs.begin;
     for (std::uint32_t k = pairs.begin; k < pairs.end; ++k) {
       const Neighbour other = lists.pairs.entry[k];
@@ -102,8 +105,9 @@ ListedSpheres<Real> listed_spheres(const View<Real>& view, const Needs& needs, R
       if (needs.images) found.image.push_back(lists.pairs.image[k]);
     }
     if (needs.pairs_once) {
-      lengths.mirrors = lists.mirror_start[i + 1] - lists.mirror_start[i];
-      for (std::uint32_t m = lists.mirror_start[i]; m < lists.mirror_start[i + 1]; ++m)
+      const Range mirrors = entries_of(lists.mirror_start, i);
+      lengths.mirrors = mirrors.end - mirrors.begin;
+      for (std::uint32_t m = mirrors.begin; m < mirrors.end; ++m)
         found.mirror.push_back(owner[lists.mirror[m]]);
     }
     const Range bodies = view.near_of(i, view.spheres.velocity[side][i].label);
@@ -187,10 +191,12 @@ ListedSpheres<Real> part_of(const ListedSpheres<Real>& whole, const Needs& needs
 // without a sphere are parked. The progress of the window is left as it is, but for the lengths of lists.
 template <class Exec, class Real>
 void store_spheres(Exec& exec, const Needs& needs, const ListedSpheres<Real>& spheres,
-                   std::span<const std::uint32_t> ordinal, std::uint32_t fewest, EngineState<Exec, Real>& state) {
+                   std::span<const std::uint32_t> ordinal, std::uint32_t fewest,
+                   EngineState<Exec, Real>& state) {
   const std::uint32_t count = spheres.size(), n = std::max(count, fewest);
   const auto index_of = [&](std::uint32_t wanted) {
-    return static_cast<std::uint32_t>(std::lower_bound(ordinal.begin(), ordinal.end(), wanted) - ordinal.begin());
+    return static_cast<std::uint32_t>(std::lower_bound(ordinal.begin(), ordinal.end(), wanted) -
+                                      ordinal.begin());
   };
   state.spheres = {};
   state.lists = {};
@@ -240,7 +246,8 @@ void store_spheres(Exec& exec, const Needs& needs, const ListedSpheres<Real>& sp
         const std::uint32_t owner = index_of(spheres.mirror[mirror]);
         std::uint32_t k = lists.pairs.start[owner];
         while (k < pair && lists.pairs.entry[k].index() != i) ++k;
-        if (k == pair) throw Error(ErrorCode::internal, "a pair is listed by one of its spheres only", "ranks");
+        if (k == pair)
+          throw Error(ErrorCode::internal, "a pair is listed by one of its spheres only", "ranks");
         lists.mirror[mirror] = k;
       }
     }

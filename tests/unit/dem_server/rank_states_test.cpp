@@ -1,4 +1,5 @@
-// The state that ranks write is the same for any number of them, to the byte, and any number continues from it.
+// The state that ranks write is the same for any number of them, to the byte, and any number continues from
+// it.
 #include <gtest/gtest.h>
 
 #include "tests/support/boulder.hpp"
@@ -9,8 +10,8 @@ namespace tandem::test {
 namespace {
 
 struct Continued {
-  Arrays state;        // in the middle, on rank 0
-  RankResult rest;     // of the second half
+  Arrays state;     // in the middle, on rank 0
+  RankResult rest;  // of the second half
 };
 
 // Runs a case; with `from`, only its second half from that state.
@@ -58,11 +59,13 @@ void expect_same_states(const RankCase& c, const std::vector<unsigned>& sizes = 
 }
 
 class StateOverRanks : public testing::TestWithParam<LawOfRanks> {};
-INSTANTIATE_TEST_SUITE_P(
-    Laws, StateOverRanks,
-    testing::Values(LawOfRanks{"hertz_mindlin", "hertz_mindlin", ""}, LawOfRanks{"frictionless", "hertz_frictionless", ""},
-                    LawOfRanks{"rolling_double", "jkr", R"("precision": "double", "rolling": "elastic_plastic",)"}),
-    [](const auto& law) { return std::string(law.param.name); });
+INSTANTIATE_TEST_SUITE_P(Laws, StateOverRanks,
+                         testing::Values(LawOfRanks{"hertz_mindlin", "hertz_mindlin", ""},
+                                         LawOfRanks{"frictionless", "hertz_frictionless", ""},
+                                         LawOfRanks{
+                                             "rolling_double", "jkr",
+                                             R"("precision": "double", "rolling": "elastic_plastic",)"}),
+                         [](const auto& law) { return std::string(law.param.name); });
 
 TEST_P(StateOverRanks, IsThatOfOneProcess) {
   expect_same_states({few_spheres(GetParam().contact, GetParam().options), 4, 601});
@@ -96,9 +99,11 @@ TEST(RankStates, OfSpheresThatGoOutAndComeIn) {
           static_cast<double>(run.engine->remove({{-0.3, -0.3, -0.1}, {0.0, 0.3, 0.2}, {}, false})));
     if (window < 4 || window > 9) return;
     std::vector<dem::Arrival> arrivals;
-    const auto first = static_cast<std::uint32_t>(run.spheres.size() - run.spheres.waiting) + 5u * (window - 4);
+    const auto first =
+        static_cast<std::uint32_t>(run.spheres.size() - run.spheres.waiting) + 5u * (window - 4);
     for (std::uint32_t k = 0; k < 5; ++k)
-      arrivals.push_back({first + k, {{-0.08 + 0.03 * k, 0, 0.6}, run.spheres.radius[first + k]}, {0, 0, -2}});
+      arrivals.push_back(
+          {first + k, {{-0.08 + 0.03 * k, 0, 0.6}, run.spheres.radius[first + k]}, {0, 0, -2}});
     run.engine->insert(arrivals);
   };
   expect_same_states(c);

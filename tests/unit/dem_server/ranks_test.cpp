@@ -57,6 +57,40 @@ TEST(Ranks, WithUnevenSharesThatChange) {
   expect_same_bits(c, {3});
 }
 
+// Close spheres below, others far apart above. The first lists share out the spheres, the second ones their
+// pairs.
+TEST(Ranks, ShareTheWork) {
+  const auto stacked = [](particles::Spheres& s) {
+    std::size_t k = 0;
+    const auto fill = [&](int across, double spacing, double from, std::size_t end) {
+      for (int layer = 0; k < end; ++layer)
+        for (int at = 0; at < across * across && k < end; ++at)
+          s.position[k++] = {-0.09 + spacing * (at % across), -0.09 + spacing * (at / across),
+                             from + spacing * layer};
+    };
+    std::ranges::fill(s.radius, 0.008);
+    fill(11, 0.0165, 0.06, 1100);
+    fill(6, 0.032, 0.25, s.size());
+  };
+  on_ranks(2, [&](ThreadRanks& ranks) {
+    ParticleRun run(falling_spheres("hertz_mindlin", "", 1600), Backend::cpu, 1, stacked, {}, &ranks);
+    run.advance(1, rank_dt);
+    const double by_spheres = run.engine->rank_imbalance();
+    run.advance(1, rank_dt, 1);
+    const double by_pairs = run.engine->rank_imbalance();
+    ranks.set_weights({3, 1});
+    run.advance(1, rank_dt, 1);
+    if (ranks.rank() == 0)
+      std::printf(
+          "  work of the busier rank: %.3f of the mean by spheres, %.3f by pairs; expected 1, tolerance "
+          "0.06\n",
+          by_spheres, by_pairs);
+    EXPECT_GT(by_spheres, 1.2);
+    EXPECT_NEAR(by_pairs, 1, 0.06);
+    EXPECT_NEAR(run.engine->rank_imbalance(), 1.5, 0.09);
+  });
+}
+
 TEST(CellShares, AreInProportionToTheWeights) {
   const std::vector<std::int64_t> spheres(100, 12);  // in each block
   const auto blocks = [&](const std::vector<std::int64_t>& weights) {
