@@ -1,5 +1,5 @@
-// Time of what ranks exchange in each micro step: messages of N bytes with each neighbour in a row of ranks, and
-// a maximum over all. The least of many, and the median, which other programs on the machine disturb.
+// Time of what ranks exchange in each micro step: messages of N bytes with each neighbour in a row of ranks,
+// and a maximum over all. The least of many, and the median, which other programs on the machine disturb.
 //
 //   mpirun -n 2 --mca btl self,vader --mca btl_vader_single_copy_mechanism none bench_ranks
 #include <fmt/format.h>
@@ -18,7 +18,8 @@ std::vector<double> sorted_microseconds(int rounds, Work work) {
   for (int k = 0; k < rounds; ++k) {
     const auto begin = std::chrono::steady_clock::now();
     work();
-    all.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count());
+    all.push_back(
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count());
   }
   std::ranges::sort(all);
   return all;
