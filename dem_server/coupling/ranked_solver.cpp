@@ -85,9 +85,10 @@ class TemporaryFile {
   std::string path_ = std::filesystem::temp_directory_path() / "tandem_state_XXXXXX";
 };
 
-// Each rank gets its part of the cores of one host, unless the user gives a number of threads.
+// Each rank gets its part of the cores of its host, unless the user gives a number of threads. Hosts are
+// alike.
 protocol::Configuration of_rank(protocol::Configuration configuration, const Ranks& ranks, unsigned cores) {
-  if (configuration.threads == 0) configuration.threads = std::max(1u, cores / ranks.size());
+  if (configuration.threads == 0) configuration.threads = std::max(1u, cores / ranks.on_this_host());
   return configuration;
 }
 
@@ -222,6 +223,17 @@ void execute(const protocol::Bytes& order, Ranks& ranks, protocol::LoadSolver& o
 }
 
 }  // namespace
+
+void expect_same_program(Ranks& ranks, std::uint64_t digest) {
+  Ranks::Bytes bytes(sizeof digest);
+  std::memcpy(bytes.data(), &digest, sizeof digest);
+  const std::vector<Ranks::Bytes> all = ranks.exchange(std::vector<Ranks::Bytes>(ranks.size(), bytes));
+  for (unsigned rank = 1; rank < ranks.size(); ++rank)
+    if (all[rank] != all[0])
+      throw Error(ErrorCode::usage,
+                  "rank " + std::to_string(rank) + " runs another build of this program than rank 0",
+                  "--hosts", "install the same tandem on all hosts, in the same folder");
+}
 
 void follow(Ranks& ranks, protocol::LoadSolver& own) {
   const auto end = [&](const std::string& problem) {

@@ -3,6 +3,7 @@
 // solvers that get the same arguments.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "dem_server/laws/particle_names.hpp"
@@ -43,6 +44,9 @@ class LeadingSolver final : public protocol::LoadSolver {
   protocol::Bytes order_, argument_;
   bool apart_ = false;  // an order has failed on this rank alone
 };
+
+// Error{usage} where the programs of the ranks, given by their digests, are not the same. Collective.
+void expect_same_program(Ranks& ranks, std::uint64_t digest);
 
 // Executes the orders of rank 0 until it lets this rank leave. Ends all ranks where this one alone cannot
 // continue; the log says why.

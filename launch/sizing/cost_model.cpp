@@ -43,8 +43,8 @@ RankCost cost_of(const Bed& bed, const RankKind& kind, unsigned ranks) {
   if (ranks > 1) cost.memory += bed.bytes_of_cells * (1 - 1.0 / ranks);
   cost.work_us = kind.step_us + kind.us_per_sphere * cost.spheres;
   if (ranks == 1) return cost;
-  // Pairs across a face are computed on both sides where a pair is computed once: half of the pairs of a sphere
-  // in its layer, of which half belong to the other rank.
+  // Pairs across a face are computed on both sides where a pair is computed once: half of the pairs of a
+  // sphere in its layer, of which half belong to the other rank.
   if (!kind.gpu) cost.work_us += kind.us_per_sphere * 0.25 * cost.ghosts;
   cost.halo_us = message_time(kind.messages, cost.ghosts * bed.bytes_per_ghost);
   cost.agreement_us = kind.agreement_us * doublings(std::min(ranks, kind.per_host));
@@ -109,7 +109,7 @@ RankKind core_kind(Flow flow) {
 }
 
 Bed tower_of_cubes(double spheres_per_rank, unsigned ranks) {
-  constexpr double sphere = 0.5235987755982988;  // of the cube of a diameter
+  constexpr double sphere = 0.5235987755982988;                             // of the cube of a diameter
   const double edge = std::cbrt(spheres_per_rank * sphere / packed_share);  // [diameters]
   Bed bed;
   bed.spheres = spheres_per_rank * ranks;

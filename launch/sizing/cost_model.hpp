@@ -15,15 +15,15 @@ inline constexpr double packed_share = 0.6;  // of a bed's volume that spheres f
 // What a rank runs on, and how it reaches the others.
 struct RankKind {
   bool gpu = false;
-  double step_us = 0;               // of a micro step without spheres [us]
-  double us_per_sphere = 0;         // and for each sphere [us]
-  double bytes_per_sphere = 0;      // in the memory of a rank
-  double memory = 0;                // of a rank [bytes]; 0: not limited here
+  double step_us = 0;                         // of a micro step without spheres [us]
+  double us_per_sphere = 0;                   // and for each sphere [us]
+  double bytes_per_sphere = 0;                // in the memory of a rank
+  double memory = 0;                          // of a rank [bytes]; 0: not limited here
   std::span<const MeasuredMessage> messages;  // between neighbours of one host
-  double agreement_us = 0;          // per doubling of the ranks of one host [us]
+  double agreement_us = 0;                    // per doubling of the ranks of one host [us]
   unsigned per_host = 1;
   // Between hosts. Assumed: nothing of it was measured.
-  double network_us = 0;            // latency [us]
+  double network_us = 0;  // latency [us]
   double network_bytes_per_us = 1;
 };
 
@@ -45,8 +45,8 @@ struct RankCost {
 
 RankCost cost_of(const Bed& bed, const RankKind& kind, unsigned ranks);
 
-// Spheres of the largest bed of the same shape, density and sizes that fits into so many ranks; `limit` receives
-// what ends it.
+// Spheres of the largest bed of the same shape, density and sizes that fits into so many ranks; `limit`
+// receives what ends it.
 double largest_bed(const Bed& bed, const RankKind& kind, unsigned ranks, std::string& limit);
 
 enum class Flow { settled, flowing };

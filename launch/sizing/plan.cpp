@@ -23,8 +23,8 @@ bool has_friction(const scene::Dem& dem) {
 }
 
 bool is_measured(const scene::Dem& dem) {
-  return (dem.contact == scene::ContactLaw::hertz_mindlin || !has_friction(dem)) && !dem.force_generic && !dem.rolling && !dem.twisting &&
-         dem.precision == scene::Precision::mixed &&
+  return (dem.contact == scene::ContactLaw::hertz_mindlin || !has_friction(dem)) && !dem.force_generic &&
+         !dem.rolling && !dem.twisting && dem.precision == scene::Precision::mixed &&
          std::ranges::none_of(dem.periodic, [](bool periodic) { return periodic; });
 }
 
@@ -136,8 +136,8 @@ std::string plan(const SceneFile& file, const PlanRequest& request) {
   const char* const rank = request.gpus ? "GPU" : "rank";
   const char* const plural = request.count == 1 ? "" : "s";
 
-  std::string text = fmt::format("{}: {} spheres on {} {}{}\n", file.scene.name, number(bed.spheres), request.count,
-                                 rank, plural);
+  std::string text = fmt::format("{}: {} spheres on {} {}{}\n", file.scene.name, number(bed.spheres),
+                                 request.count, rank, plural);
   const auto line = [&text](const char* what, const std::string& value) {
     text += fmt::format("  {:<22}{}\n", what, value);
   };
@@ -158,19 +158,23 @@ std::string plan(const SceneFile& file, const PlanRequest& request) {
     line(settled ? "micro step, at rest" : "micro step, flowing",
          request.count == 1
              ? us_text(cost.step_us())
-             : fmt::format("{}: {} work, {} halo, {} agreement; {} with a hidden halo; one {} {}", us_text(cost.step_us()),
-                           us_text(cost.work_us), us_text(cost.halo_us), us_text(cost.agreement_us),
-                           us_text(cost.hidden_us()), rank, us_text(one.step_us())));
+             : fmt::format("{}: {} work, {} halo, {} agreement; {} with a hidden halo; one {} {}",
+                           us_text(cost.step_us()), us_text(cost.work_us), us_text(cost.halo_us),
+                           us_text(cost.agreement_us), us_text(cost.hidden_us()), rank,
+                           us_text(one.step_us())));
     if (steps) run += (settled ? "" : " to ") + duration(*steps * cost.step_us() / 1e6);
   }
-  line("run", steps ? fmt::format("{} micro steps in {}, without bodies, frames and inlets", number(*steps), run)
-                    : "the micro step is not known before the run: give dem.micro_step");
+  line("run",
+       steps ? fmt::format("{} micro steps in {}, without bodies, frames and inlets", number(*steps), run)
+             : "the micro step is not known before the run: give dem.micro_step");
   line("limit", limit_of(one, cost, kind));
   std::string why;
   const double most = largest_bed(bed, kind, request.count, why);
   line("largest such bed", fmt::format("{} spheres: {}", rounded_number(most), why));
   if (!is_measured(dem))
-    line("note", "no rate of this contact law, precision or domain was measured: times of the generic variant at most");
+    line("note",
+         "no rate of this contact law, precision or domain was measured: times of the generic variant at "
+         "most");
   line("rates", request.gpus ? "of one H100; no run uses several GPUs yet (docs/cost_of_ranks.md)"
                              : "of one core of a Xeon; messages of one host (docs/cost_of_ranks.md)");
   return text;

@@ -9,10 +9,10 @@
 namespace tandem::launch {
 
 struct PlanRequest {
-  bool gpus = true;      // else ranks on cores
+  bool gpus = true;  // else ranks on cores
   unsigned count = 1;
-  double spheres = 0;    // of a bed like that of the scene; 0: as many as the scene has
-  double memory = 0;     // of a GPU, or of the host of the ranks [bytes]; 0: 80 GB, or that of this host
+  double spheres = 0;  // of a bed like that of the scene; 0: as many as the scene has
+  double memory = 0;   // of a GPU, or of the host of the ranks [bytes]; 0: 80 GB, or that of this host
 };
 
 // Error{usage} for a scene without grains.

@@ -21,7 +21,8 @@ struct PlanWords {
 
 PlanRequest request_of(const PlanWords& words) {
   if ((words.gpus > 0) == (words.ranks > 0))
-    throw Error(ErrorCode::usage, words.gpus > 0 ? "both --gpus and --ranks are given" : "neither --gpus nor --ranks is given",
+    throw Error(ErrorCode::usage,
+                words.gpus > 0 ? "both --gpus and --ranks are given" : "neither --gpus nor --ranks is given",
                 "plan", "give one of them: --gpus 4 for cards, --ranks 4 for cores of one host");
   PlanRequest request;
   request.gpus = words.gpus > 0;
@@ -34,15 +35,18 @@ PlanRequest request_of(const PlanWords& words) {
 }  // namespace
 
 void add_plan(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("plan", "Predict memory and time of a bed on several GPUs or ranks, and what limits");
+  CLI::App* verb = app.add_subcommand(
+      "plan", "Predict memory and time of a bed on several GPUs or ranks, and what limits");
   auto words = std::make_shared<PlanWords>();
   verb->add_option("scene", words->scene, "Scene file with grains")->required();
   verb->add_option("--gpus", words->gpus, "Number of GPUs, eight to a host")->check(CLI::Range(1, 65536));
   verb->add_option("--ranks", words->ranks, "Number of ranks on the cores of one host, one core each")
       ->check(CLI::Range(1, 4096));
-  verb->add_option("--spheres", words->spheres, "Number of spheres in a bed like that of the scene; without it, those of the scene")
+  verb->add_option("--spheres", words->spheres,
+                   "Number of spheres in a bed like that of the scene; without it, those of the scene")
       ->check(finite_in_range(1, 1e12));
-  verb->add_option("--memory", words->memory_GB, "Memory of a GPU, or of the host of the ranks [GB]; without it 80, or that of this host")
+  verb->add_option("--memory", words->memory_GB,
+                   "Memory of a GPU, or of the host of the ranks [GB]; without it 80, or that of this host")
       ->check(finite_in_range(0.001, 1e6));
   add_set(*verb, words->set);
   verb->callback([words] {

@@ -55,6 +55,11 @@ MpiRanks::MpiRanks(int& argc, char**& argv) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   rank_ = static_cast<unsigned>(rank), size_ = static_cast<unsigned>(size);
+  MPI_Comm of_host = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &of_host);
+  MPI_Comm_size(of_host, &size);
+  MPI_Comm_free(&of_host);
+  on_this_host_ = static_cast<unsigned>(size);
 }
 
 MpiRanks::~MpiRanks() {

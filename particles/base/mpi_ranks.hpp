@@ -15,6 +15,7 @@ class MpiRanks final : public Ranks {
 
   unsigned rank() const override { return rank_; }
   unsigned size() const override { return size_; }
+  unsigned on_this_host() const override { return on_this_host_; }
   std::vector<Bytes> exchange(const std::vector<Bytes>& to) override;
   void swap(std::span<const Parcel> to, std::span<const Parcel> from) override;
   void sum(std::span<std::int64_t> values) override;
@@ -23,7 +24,7 @@ class MpiRanks final : public Ranks {
   [[noreturn]] void abort(int status) override;
 
  private:
-  unsigned rank_ = 0, size_ = 1;
+  unsigned rank_ = 0, size_ = 1, on_this_host_ = 1;
 };
 
 }  // namespace tandem::particles

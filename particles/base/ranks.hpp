@@ -21,6 +21,8 @@ class Ranks {
   virtual ~Ranks() = default;
   virtual unsigned rank() const = 0;
   virtual unsigned size() const = 0;
+  // Those on the host of this one.
+  virtual unsigned on_this_host() const { return size(); }
   // Each rank gets a share of the particles in proportion to its weight, from the next rebuild on. All ranks
   // give the same.
   virtual std::vector<std::int64_t> weights() const { return std::vector<std::int64_t>(size(), 1); }

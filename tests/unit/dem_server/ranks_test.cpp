@@ -311,6 +311,17 @@ std::vector<double> seen_of(std::unique_ptr<protocol::LoadSolver> solver, std::s
   return seen;
 }
 
+TEST(RankedSolver, RefusesUnlikePrograms) {
+  for (const bool alike : {true, false})
+    on_ranks(3, [&](ThreadRanks& ranks) {
+      const std::uint64_t digest = !alike && ranks.rank() == 2 ? 7 : 6;
+      if (alike)
+        EXPECT_NO_THROW(dem::expect_same_program(ranks, digest));
+      else
+        EXPECT_THROW(dem::expect_same_program(ranks, digest), Error);
+    });
+}
+
 TEST(RankedSolver, IsOneParticipantWithTheSameBits) {
   std::string hash;
   const std::vector<double> expected = seen_of(dem::make_solver(), hash);

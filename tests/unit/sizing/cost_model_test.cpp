@@ -31,14 +31,16 @@ bool has_row(const std::string& file, const std::vector<std::string>& words) {
 }
 
 TEST(CostModel, HasTheRatesOfTheResults) {
-  for (const MeasuredRun& run : {settled_on_gpu, smaller_on_gpu, frictionless_on_gpu, drum_on_gpu, small_drum_on_gpu,
-                                 settled_on_core, drum_on_core})
-    EXPECT_TRUE(has_row(run.file, {fmt::format(",{},", run.commit), fmt::format(",{},", run.scene),
-                                   fmt::format(",{},", run.variant), fmt::format(",{:.0f},", run.spheres),
-                                   fmt::format(",{:.3f},", run.us_per_micro_step), fmt::format(",{}", run.memory_MB)}))
+  for (const MeasuredRun& run : {settled_on_gpu, smaller_on_gpu, frictionless_on_gpu, drum_on_gpu,
+                                 small_drum_on_gpu, settled_on_core, drum_on_core})
+    EXPECT_TRUE(has_row(run.file,
+                        {fmt::format(",{},", run.commit), fmt::format(",{},", run.scene),
+                         fmt::format(",{},", run.variant), fmt::format(",{:.0f},", run.spheres),
+                         fmt::format(",{:.3f},", run.us_per_micro_step), fmt::format(",{}", run.memory_MB)}))
         << run.file << ' ' << run.scene << ' ' << run.us_per_micro_step;
   for (const MeasuredMessage& message : between_cores)
-    EXPECT_TRUE(has_row("ranks.csv", {fmt::format("halo,2,{:.0f},", message.bytes), fmt::format(",{:.2f}", message.us)}))
+    EXPECT_TRUE(has_row("ranks.csv",
+                        {fmt::format("halo,2,{:.0f},", message.bytes), fmt::format(",{:.2f}", message.us)}))
         << message.bytes;
   EXPECT_TRUE(has_row("ranks.csv", {"maximum,2,", fmt::format(",{:.2f}", maximum_over_two_cores)}));
 }
@@ -47,7 +49,8 @@ TEST(CostModel, HasTheMessagesOfItsPage) {
   std::string page;
   for (const std::string& line : lines_of("docs/experiments/2026-11-ranks.md")) page += line + "\n";
   for (const MeasuredMessage& message : between_gpus)
-    EXPECT_NE(page.find(fmt::format("| {:.0f} B | {:.1f} us |", message.bytes, message.us)), std::string::npos)
+    EXPECT_NE(page.find(fmt::format("| {:.0f} B | {:.1f} us |", message.bytes, message.us)),
+              std::string::npos)
         << message.bytes;
 }
 
@@ -56,9 +59,11 @@ TEST(CostModel, PredictsARunOnOneGpu) {
   Bed bed;
   bed.spheres = smaller_on_gpu.spheres;
   const RankCost cost = cost_of(bed, gpu_kind(Flow::settled, true), 1);
-  std::printf("  1,000,000 at rest: expected %.1f us, predicted %.1f us, tolerance 3 %%; memory expected %.0f MB, predicted "
-              "%.0f MB, tolerance 2 %%\n",
-              smaller_on_gpu.us_per_micro_step, cost.step_us(), smaller_on_gpu.memory_MB, cost.memory / 1e6);
+  std::printf(
+      "  1,000,000 at rest: expected %.1f us, predicted %.1f us, tolerance 3 %%; memory expected %.0f MB, "
+      "predicted "
+      "%.0f MB, tolerance 2 %%\n",
+      smaller_on_gpu.us_per_micro_step, cost.step_us(), smaller_on_gpu.memory_MB, cost.memory / 1e6);
   EXPECT_NEAR(cost.step_us(), smaller_on_gpu.us_per_micro_step, 0.03 * smaller_on_gpu.us_per_micro_step);
   EXPECT_NEAR(cost.memory / 1e6, smaller_on_gpu.memory_MB, 0.02 * smaller_on_gpu.memory_MB);
 }
@@ -104,9 +109,10 @@ TEST(CostModel, HasItsTableInTheDocs) {
       const RankKind kind = gpu_kind(Flow::settled, true);
       const RankCost one = cost_of(tower_of_cubes(each, 1), kind, 1), cost = cost_of(bed, kind, gpus);
       const bool has_ids = bed.spheres <= std::int64_t{1} << 30;
-      table += fmt::format("| {:.0f} M | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} % | {:.1f} % | {:.2f} GB{} |\n", each / 1e6, gpus,
-                           cost.work_us, cost.halo_us, cost.agreement_us, 100 * one.step_us() / cost.step_us(),
-                           100 * one.step_us() / cost.hidden_us(), cost.memory / 1e9, has_ids ? "" : "; too many ids");
+      table += fmt::format(
+          "| {:.0f} M | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} % | {:.1f} % | {:.2f} GB{} |\n", each / 1e6,
+          gpus, cost.work_us, cost.halo_us, cost.agreement_us, 100 * one.step_us() / cost.step_us(),
+          100 * one.step_us() / cost.hidden_us(), cost.memory / 1e9, has_ids ? "" : "; too many ids");
     }
   const std::string file = "docs/cost_of_ranks.md", begin = "|---|---|---|---|---|---|---|---|\n";
   std::string page;
@@ -117,7 +123,8 @@ TEST(CostModel, HasItsTableInTheDocs) {
     page.replace(from, to + 1 - from, table);
     std::ofstream(std::string(TANDEM_SOURCE_DIR) + "/" + file) << page;
   } else {
-    EXPECT_EQ(page.substr(from, to + 1 - from), table) << "run with TANDEM_WRITE_DOCS=1 to bring it up to date";
+    EXPECT_EQ(page.substr(from, to + 1 - from), table)
+        << "run with TANDEM_WRITE_DOCS=1 to bring it up to date";
   }
 }
 

@@ -9,7 +9,8 @@ namespace tandem::launch {
 namespace {
 
 SceneFile shipped(const char* name) {
-  return read_scene(std::string(TANDEM_SOURCE_DIR) + "/launch/scenes/" + name, {}, SettleOn{.settles = false});
+  return read_scene(std::string(TANDEM_SOURCE_DIR) + "/launch/scenes/" + name, {},
+                    SettleOn{.settles = false});
 }
 bool says(const std::string& text, const std::string& words) {
   return text.find(words) != std::string::npos;
