@@ -25,6 +25,8 @@ class ThreadRanks final : public particles::Ranks {
 
   unsigned rank() const override { return rank_; }
   unsigned size() const override { return static_cast<unsigned>(team_.posted.size()); }
+  unsigned on_this_host() const override { return per_host > 0 ? per_host : size(); }
+  unsigned per_host = 0;  // 0: all
   std::vector<std::int64_t> weights() const override {
     return weights_.empty() ? Ranks::weights() : weights_;
   }

@@ -311,6 +311,24 @@ std::vector<double> seen_of(std::unique_ptr<protocol::LoadSolver> solver, std::s
   return seen;
 }
 
+TEST(RankedSolver, PredictsTheMemoryOfAHost) {
+  const nlohmann::json scene = rain_on_a_tool();
+  const auto predicted = [&](std::unique_ptr<protocol::LoadSolver> solver) {
+    return SolverRun(scene, "test.json", 1, "cpu", std::move(solver))
+        .configured["dem_memory_predicted_MB"]
+        .get<double>();
+  };
+  const double one = predicted(dem::make_solver());
+  on_ranks(2, [&](ThreadRanks& ranks) {
+    const double together = predicted(dem::make_solver_of_rank(ranks));
+    ranks.per_host = 1;
+    const double alone = predicted(dem::make_solver_of_rank(ranks));
+    EXPECT_DOUBLE_EQ(together, 2 * alone);
+    EXPECT_GT(together, one) << "the cells of the domain twice";
+    EXPECT_LT(alone, one);
+  });
+}
+
 TEST(RankedSolver, RefusesUnlikePrograms) {
   for (const bool alike : {true, false})
     on_ranks(3, [&](ThreadRanks& ranks) {
