@@ -101,9 +101,12 @@ class EngineOf final : public Engine {
   void unpack_spheres(const std::vector<Ranks::Bytes>& from);
   void find_own_and_ghosts();
   void connect_ghosts();
-  template <class T, class Get, class Set>
-  void swap_with_neighbours(Get get, Set set);
-  void swap_ghosts(std::uint32_t side);
+  template <class T, class Get>
+  void send_to_neighbours(Get get);
+  template <class T, class Set>
+  void receive_from_neighbours(Set set);
+  void send_ghosts(std::uint32_t side);
+  void receive_ghosts(std::uint32_t side);
   void combine_step();
   void finish_step();
   std::uint32_t any_of_ranks(std::uint32_t bits);

@@ -44,6 +44,16 @@ int main(int argc, char** argv) {
       to.push_back({static_cast<unsigned>(other), buffers[to.size()]});
       from.push_back({static_cast<unsigned>(other), buffers[2 + from.size()]});
     }
+    std::uint64_t values[3] = {ranks.rank(), 0, 0};
+    report("halo and maximum", bytes, sorted_microseconds(bytes > 1'000'000 ? 100 : 1000, [&] {
+             ranks.begin_swap(to, from);
+             ranks.maximum(values);
+             ranks.end_swap();
+           }));
+    report("halo then maximum", bytes, sorted_microseconds(bytes > 1'000'000 ? 100 : 1000, [&] {
+             ranks.swap(to, from);
+             ranks.maximum(values);
+           }));
     report("halo", bytes, sorted_microseconds(bytes > 1'000'000 ? 100 : 1000, [&] { ranks.swap(to, from); }));
   }
   std::uint64_t values[3] = {ranks.rank(), 0, 0};

@@ -80,10 +80,11 @@ for scene in given.scenes or sorted(path for path in (ROOT / "launch" / "scenes"
             if isinstance(summary, str):
                 row[f"hash_{count}"] = "refused" if "too few for" in summary else summary
                 continue
-            row.update({key: summary[key] for key in ("windows", "micro_steps", "contacts", "list_rebuilds")})
+            row.update({key: summary[key] for key in ("spheres", "windows", "micro_steps", "contacts", "list_rebuilds")})
             row[f"hash_{count}"] = summary["state_hash"]
         hashes = {row[f"hash_{count}"] for count in ranks} - {"refused"}
-        row["equal"] = "yes" if len(hashes) == 1 else "NO"
+        runs = sum(row[f"hash_{count}"] != "refused" for count in ranks)
+        row["equal"] = "NO" if len(hashes) != 1 else "yes" if runs > 1 else "one only"
         differ |= len(hashes) != 1
         print(", ".join(f"{key} {value}" for key, value in row.items()), flush=True)
         record(row)
