@@ -51,10 +51,10 @@ class Ranks(CaseOfRanks):
         print(f"\n  {pathlib.Path(scene).name}: {one[0]['state_hash']} on 1 and {ranks} ranks")
 
     def test_body_on_a_spring(self):
-        self.check_same_results(SHIPPED / "spring_box.json", "--end-time", 0.25)
+        self.check_same_results(SHIPPED / "spring_box.json", "--end-time", 0.14)
 
     def test_implicit_windows(self):
-        self.check_same_results(SHIPPED / "spring_box.json", "--end-time", 0.2, "--scheme", "implicit", ranks=(2,))
+        self.check_same_results(SHIPPED / "spring_box.json", "--end-time", 0.13, "--scheme", "implicit", ranks=(2,))
 
     def test_double_precision(self):
         self.check_same_results(self.scene("chute.json", precision="double"), "--end-time", 0.3, ranks=(3,))
