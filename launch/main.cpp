@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   add_run(app, status);
   add_validate(app, status);
   add_describe(app);
+  add_plan(app);
   add_preview(app);
   add_movie(app);
   add_modes(app);

@@ -211,7 +211,8 @@ struct PairForces {
     r = result_of(c, f, r.spring);
     moment = rolling_moment(view, c, f, extension, m.k.friction, m.w - m.other_w,
                             list.rolling == nullptr ? nullptr : list.rolling + k, existed);
-    if (view.dissipation.any())
+    // Of a pair of two ranks, that of the sphere with the entry adds it.
+    if (view.dissipation.any() && view.spheres.owns(i))
       add_dissipation(view.dissipation, i, view.dissipation.of_pair, c, f, before, r.spring, moment,
                       m.w - m.other_w);
     return true;

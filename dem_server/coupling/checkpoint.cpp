@@ -28,6 +28,7 @@ std::string engine_array(const std::string& name) {
 }  // namespace
 
 void Solver::checkpoint(const protocol::Checkpoint& order) {
+  if (ranks_ != nullptr && ranks_->rank() > 0) return engine_->write({});
   StateWriter file(order.path, kind, version);
   file.write("backend", name_of(choice_.backend));
   file.write("variant", choice_.variant);

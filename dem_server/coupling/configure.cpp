@@ -186,11 +186,6 @@ void Solver::expect_ranks() const {
   const auto refuse = [](const std::string& problem, const std::string& remedy) {
     throw Error(ErrorCode::usage, problem, "--ranks", remedy);
   };
-  if (scene_.output.dissipation)
-    refuse("several ranks do not sum the dissipated energy yet", "leave --ranks out, or output.dissipation");
-  if (scene_.output.evaluates_contacts())
-    refuse("several ranks do not send the contacts of spheres yet",
-           "leave --ranks out, or output.contacts and the output.fields of contacts");
   constexpr std::size_t fewest = 50;  // spheres of a rank
   const std::size_t most = spheres_ / fewest;
   if (ranks_->size() > std::max<std::size_t>(1, most))
@@ -200,27 +195,33 @@ void Solver::expect_ranks() const {
 }
 
 // Checks the memory of the engine before anything is allocated.
-std::size_t Solver::check_memory(const EngineSetup& setup, std::size_t cells) {
+std::size_t Solver::check_memory(const EngineSetup& given, std::size_t cells) {
+  EngineSetup setup = given;
+  const std::size_t here = ranks_ != nullptr ? ranks_->on_this_host() : 1;  // which share its memory
+  const auto share_of = [this](std::size_t spheres) {
+    return ranks_ != nullptr ? std::max<std::size_t>(1, spheres / ranks_->size()) : spheres;
+  };
+  if (ranks_ != nullptr) setup.indices = share_of(spheres_ - setup.spheres.waiting);
   const scene::Coupling& how = scene_.coupling;
   // The copy for a window that is taken back. The frame at the start needs one too, where it has contacts.
   const bool with_copy = (scene_.mbd && (how.adaptive || how.scheme == scene::Scheme::implicit)) ||
                          scene_.output.evaluates_contacts();
   MemoryNeed need;
-  need.bytes = predicted_bytes(choice_, setup, with_copy);
-  need.spheres = spheres_ - setup.spheres.waiting;
-  need.cells = cells;
+  need.bytes = here * predicted_bytes(choice_, setup, with_copy);
+  need.spheres = here * share_of(spheres_ - setup.spheres.waiting);
+  need.cells = here * cells;
   need.where = choice_.backend == Backend::cuda ? "device" : "host";
   const std::size_t available = available_memory(choice_.backend);
   if (need.bytes > available) {
     EngineSetup one_step = setup;
     one_step.steps = 1;
-    need.window = need.bytes - predicted_bytes(choice_, one_step, with_copy);
+    need.window = need.bytes - here * predicted_bytes(choice_, one_step, with_copy);
   }
   expect_memory(need, available);
   if (setup.spheres.waiting == 0) return need.bytes;
   EngineSetup at_once = setup;
-  at_once.indices = spheres_;
-  need.bytes = predicted_bytes(choice_, at_once, with_copy);
+  at_once.indices = share_of(spheres_);
+  need.bytes = here * predicted_bytes(choice_, at_once, with_copy);
   if (need.bytes > available)
     warn(fmt::format(
         "with all {} spheres of its inlets there at once the run would need {:.4g} GB of {} memory, and "

@@ -347,6 +347,7 @@ protocol::Report Solver::report() {
   others["contacts"] = loads_.account.contacts;
   others["list_rebuilds"] = loads_.account.rebuilds;
   others["skin_m"] = skin_;
+  if (ranks_ != nullptr) others["rank_imbalance"] = engine_->rank_imbalance();
   if (engine_->regions() > 0) others["resident_regions"] = engine_->regions();
   others["dem_memory_MB"] = static_cast<double>(engine_->memory_bytes()) / 1e6;
   others["windows_beyond_overlap_limit"] = memory_.limits.beyond_overlap;

@@ -1,5 +1,7 @@
 // dem_server_mpi: dem_server on several ranks, which mpirun starts. Rank 0 meets the coordinator.
+#include "common/error.hpp"
 #include "common/log.hpp"
+#include "common/state_file.hpp"
 #include "dem_server/coupling/make_solver.hpp"
 #include "dem_server/coupling/ranked_solver.hpp"
 #include "particles/base/mpi_ranks.hpp"
@@ -8,6 +10,13 @@
 int main(int argc, char** argv) {
   using namespace tandem;
   particles::MpiRanks ranks(argc, argv);
+  try {
+    dem::expect_same_program(ranks, file_digest("/proc/self/exe"));
+  } catch (const Error& error) {
+    log::setup("dem_server", "error");
+    if (ranks.rank() == 0) log::error("{}", error.what());
+    return exit_status(error.code());
+  }
   if (ranks.rank() > 0) {
     log::setup("dem_server", "error");  // rank 0 says the rest
     dem::follow(ranks, *dem::make_solver_of_rank(ranks));

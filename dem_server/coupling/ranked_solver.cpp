@@ -1,13 +1,22 @@
 #include "dem_server/coupling/ranked_solver.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <new>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "common/cores.hpp"
 #include "common/error.hpp"
+#include "common/input_file.hpp"
 #include "common/log.hpp"
+#include "protocol/fd.hpp"
 
 namespace tandem::dem {
 namespace {
@@ -20,6 +29,8 @@ enum class Order : unsigned char {
   snapshot,
   save,
   restore,
+  checkpoint,
+  resume,
   report,
   leave
 };
@@ -40,9 +51,44 @@ bool is_of_all_ranks(const Error& error) {
          error.code() == ErrorCode::numerics || error.code() == ErrorCode::protocol;
 }
 
-// Each rank gets its part of the cores of one host, unless the user gives a number of threads.
+Ranks::Bytes bytes_of(const std::filesystem::path& path) {
+  constexpr std::uint64_t largest = std::uint64_t{1} << 40;
+  const std::string text =
+      read_input(path, {ErrorCode::resource, largest, "continue from another checkpoint"});
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+// A file for as long as this object; HDF5 opens none without a name.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::span<const std::byte> contents) {
+    const protocol::Fd file(mkstemp(path_.data()));
+    if (!file)
+      throw Error(ErrorCode::internal, "no file can be made: " + std::string(strerror(errno)), path_);
+    while (!contents.empty()) {
+      const ssize_t count = ::write(file.get(), contents.data(), contents.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) {
+        unlink(path_.c_str());
+        throw Error(ErrorCode::internal, "the state to continue from does not fit onto the disk", path_);
+      }
+      contents = contents.subspan(static_cast<std::size_t>(count));
+    }
+  }
+  ~TemporaryFile() { unlink(path_.c_str()); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_ = std::filesystem::temp_directory_path() / "tandem_state_XXXXXX";
+};
+
+// Each rank gets its part of the cores of its host, unless the user gives a number of threads. Hosts are
+// alike.
 protocol::Configuration of_rank(protocol::Configuration configuration, const Ranks& ranks, unsigned cores) {
-  if (configuration.threads == 0) configuration.threads = std::max(1u, cores / ranks.size());
+  if (configuration.threads == 0) configuration.threads = std::max(1u, cores / ranks.on_this_host());
   return configuration;
 }
 
@@ -70,11 +116,6 @@ decltype(auto) LeadingSolver::on_all(Call call) {
     apart_ = true;
     throw;
   }
-}
-
-std::uint64_t LeadingSolver::capabilities() const {
-  constexpr std::uint64_t not_over_ranks = protocol::can_checkpoint | protocol::can_observe_contacts;
-  return own_->capabilities() & ~not_over_ranks;
 }
 
 protocol::Configured LeadingSolver::configure(const protocol::Configuration& given) {
@@ -110,6 +151,17 @@ void LeadingSolver::restore() {
   write(order_, Order::restore);
   on_all([&] { own_->restore(); });
 }
+void LeadingSolver::checkpoint(const protocol::Checkpoint& file) {
+  write(order_, Order::checkpoint, file, argument_);
+  on_all([&] { own_->checkpoint(file); });
+}
+// The others get a file in which this rank has found no fault. They may be on hosts that do not have it.
+void LeadingSolver::resume(const protocol::Checkpoint& file) {
+  own_->resume(file);
+  Ranks::Bytes contents = bytes_of(file.path);
+  write(order_, Order::resume, file, argument_);
+  on_all([&] { ranks_.broadcast(contents); });
+}
 protocol::Report LeadingSolver::report() {
   write(order_, Order::report);
   return on_all([&] { return own_->report(); });
@@ -117,7 +169,7 @@ protocol::Report LeadingSolver::report() {
 
 namespace {
 
-void execute(const protocol::Bytes& order, protocol::LoadSolver& own) {
+void execute(const protocol::Bytes& order, Ranks& ranks, protocol::LoadSolver& own) {
   const std::span<const std::byte> argument = std::span(order).subspan(1);
   switch (static_cast<Order>(order.front())) {
     case Order::configure: {
@@ -144,6 +196,24 @@ void execute(const protocol::Bytes& order, protocol::LoadSolver& own) {
       return own.save();
     case Order::restore:
       return own.restore();
+    case Order::checkpoint: {
+      protocol::Checkpoint file;
+      protocol::decode(argument, file);
+      return own.checkpoint(file);
+    }
+    case Order::resume: {
+      protocol::Checkpoint file;
+      protocol::decode(argument, file);
+      Ranks::Bytes contents;
+      ranks.broadcast(contents);
+      const TemporaryFile copy(contents);
+      file.path = copy.path();
+      try {
+        return own.resume(file);
+      } catch (const Error& error) {
+        throw Error(ErrorCode::internal, error.what(), "resume");  // of this rank alone
+      }
+    }
     case Order::report:
       own.report();
       return;
@@ -154,6 +224,17 @@ void execute(const protocol::Bytes& order, protocol::LoadSolver& own) {
 
 }  // namespace
 
+void expect_same_program(Ranks& ranks, std::uint64_t digest) {
+  Ranks::Bytes bytes(sizeof digest);
+  std::memcpy(bytes.data(), &digest, sizeof digest);
+  const std::vector<Ranks::Bytes> all = ranks.exchange(std::vector<Ranks::Bytes>(ranks.size(), bytes));
+  for (unsigned rank = 1; rank < ranks.size(); ++rank)
+    if (all[rank] != all[0])
+      throw Error(ErrorCode::usage,
+                  "rank " + std::to_string(rank) + " runs another build of this program than rank 0",
+                  "--hosts", "install the same tandem on all hosts, in the same folder");
+}
+
 void follow(Ranks& ranks, protocol::LoadSolver& own) {
   const auto end = [&](const std::string& problem) {
     log::error("rank {} of {}: {}", ranks.rank(), ranks.size(), problem);
@@ -163,7 +244,7 @@ void follow(Ranks& ranks, protocol::LoadSolver& own) {
     ranks.broadcast(order);
     if (static_cast<Order>(order.front()) == Order::leave) return;
     try {
-      execute(order, own);
+      execute(order, ranks, own);
     } catch (const Error& error) {
       if (!is_of_all_ranks(error)) end(error.what());  // rank 0 reports the others
     } catch (const std::bad_alloc&) {

@@ -3,6 +3,7 @@
 // solvers that get the same arguments.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "dem_server/laws/particle_names.hpp"
@@ -21,7 +22,7 @@ class LeadingSolver final : public protocol::LoadSolver {
   LeadingSolver(const LeadingSolver&) = delete;
   LeadingSolver& operator=(const LeadingSolver&) = delete;
 
-  std::uint64_t capabilities() const override;
+  std::uint64_t capabilities() const override { return own_->capabilities(); }
   protocol::Configured configure(const protocol::Configuration& configuration) override;
   const protocol::LoadSet& advance(const protocol::MotionSet& motion) override;
   const protocol::TangentSet& linearise() override;
@@ -30,6 +31,8 @@ class LeadingSolver final : public protocol::LoadSolver {
   const protocol::ParticlesFrame& read_snapshot() override;
   void save() override;
   void restore() override;
+  void checkpoint(const protocol::Checkpoint& file) override;
+  void resume(const protocol::Checkpoint& file) override;
   protocol::Report report() override;
 
  private:
@@ -41,6 +44,9 @@ class LeadingSolver final : public protocol::LoadSolver {
   protocol::Bytes order_, argument_;
   bool apart_ = false;  // an order has failed on this rank alone
 };
+
+// Error{usage} where the programs of the ranks, given by their digests, are not the same. Collective.
+void expect_same_program(Ranks& ranks, std::uint64_t digest);
 
 // Executes the orders of rank 0 until it lets this rank leave. Ends all ranks where this one alone cannot
 // continue; the log says why.

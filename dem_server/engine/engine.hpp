@@ -168,8 +168,9 @@ class Engine {
   virtual const WindowOutcome& advance(const WindowPlan& plan) = 0;
   virtual void save() = 0;
   virtual void restore() = 0;
-  // The state that save() keeps, as bytes. An engine of the same scene, law and precision that reads them
-  // continues with the same bits. Error{resource} where an array does not fit this engine.
+  // The state that save() keeps, as bytes; with ranks that of all of them, on rank 0 only. An engine of the
+  // same scene, law and precision that reads them continues with the same bits, on any number of ranks.
+  // Error{resource} where an array does not fit this engine.
   virtual void write(const ArraySink& sink) = 0;
   virtual void read(const ArraySource& source) = 0;
   // Tangents of the contacts with each body's walls at the end of the last window, for these poses, one per
@@ -211,6 +212,8 @@ class Engine {
   // The number of blocks of a GPU that keep the spheres in shared memory
   // (backend/cuda/resident/resident.cuh). 0: no window has been done yet, or steps go through global memory.
   virtual std::uint32_t regions() const = 0;
+  // With ranks: work of the busiest rank over the mean of all, by the pairs in the present lists [-].
+  virtual double rank_imbalance() const = 0;
 };
 
 // The variant and the back end that run a scene.

@@ -35,6 +35,7 @@ void EngineOf<Exec, Law, Real>::download(const ContactsRequest& request, Contact
                                                             request.dt, fields.of_sphere.data()});
     std::vector<SphereContacts> of_index(memory_.n);
     exec_.download(fields.of_sphere, std::span<SphereContacts>(of_index));
+    if (ranks_ != nullptr) gather_at_first(of_index);
     const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
     fetch_arrays(side, side);
     fetched_.sort_present(fetched_.position, radius_.size());
@@ -63,7 +64,7 @@ std::vector<BodyContact> EngineOf<Exec, Law, Real>::body_contacts(const Contacts
     if (near > 0) exec_.download(buffers.start, std::span<std::uint32_t>(start.data(), near));
     std::exclusive_scan(start.begin(), start.end(), start.begin(), 0u);
     all.resize(start.back());
-    if (all.empty()) return;
+    if (start.back() == 0) return;
     exec_.upload(buffers.start, std::span<const std::uint32_t>(start));
     exec_.grow(buffers.found, all.size());
     FindBodyContacts<Law, Real> store = find;
@@ -71,6 +72,7 @@ std::vector<BodyContact> EngineOf<Exec, Law, Real>::body_contacts(const Contacts
     exec_.for_each(near, store);
     exec_.download(buffers.found, std::span<BodyContact>(all));
   });
+  if (ranks_ != nullptr) all = gathered(std::span<const BodyContact>(all), false);
   // The order of the lists depends on when they were built.
   std::ranges::stable_sort(all, {}, [](const BodyContact& c) { return std::pair(c.body, c.sphere); });
   return all;

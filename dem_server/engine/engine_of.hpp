@@ -10,7 +10,8 @@
 // engine/engine_spheres.hpp has the members for single spheres, engine/engine_tangents.hpp those for the
 // tangents of contacts with bodies, engine/engine_contacts.hpp those for the contacts of spheres in frames,
 // engine/engine_sums.hpp those for the sums of walls and of
-// dissipated energy, engine/engine_ranks.hpp those for several ranks.
+// dissipated energy, engine/engine_ranks.hpp those for several ranks, engine/engine_whole_state.hpp those for
+// the state of all of them.
 #pragma once
 
 #include <algorithm>
@@ -30,6 +31,7 @@
 #include "dem_server/engine/engine_state.hpp"
 #include "dem_server/engine/inflow_outflow.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
+#include "dem_server/engine/listed_spheres.hpp"
 #include "dem_server/engine/measure.hpp"
 #include "dem_server/engine/rank_share.hpp"
 #include "dem_server/neighbours/build.hpp"
@@ -66,6 +68,7 @@ class EngineOf final : public Engine {
                                          std::span<const std::uint8_t> wanted) override;
   std::size_t memory_bytes() const override { return memory_.bytes(); }
   std::uint32_t regions() const override { return exec_.regions(); }
+  double rank_imbalance() const override { return rank_imbalance_; }
 
  private:
   using Memory = EngineMemory<Exec, Law, Real>;
@@ -89,6 +92,7 @@ class EngineOf final : public Engine {
   }
   void rebuild();
   void list_neighbours();
+  std::int64_t work_of(std::uint32_t i) const;
   CellShares balanced_shares() const;
   template <class F>
   void for_each_rank_near(std::uint32_t i, F f) const;
@@ -97,9 +101,12 @@ class EngineOf final : public Engine {
   void unpack_spheres(const std::vector<Ranks::Bytes>& from);
   void find_own_and_ghosts();
   void connect_ghosts();
-  template <class T, class Get, class Set>
-  void swap_with_neighbours(Get get, Set set);
-  void swap_ghosts(std::uint32_t side);
+  template <class T, class Get>
+  void send_to_neighbours(Get get);
+  template <class T, class Set>
+  void receive_from_neighbours(Set set);
+  void send_ghosts(std::uint32_t side);
+  void receive_ghosts(std::uint32_t side);
   void combine_step();
   void finish_step();
   std::uint32_t any_of_ranks(std::uint32_t bits);
@@ -108,6 +115,11 @@ class EngineOf final : public Engine {
   std::vector<T> gathered(std::span<const T> own, bool on_all) const;
   template <class T>
   void gather_at_first(std::vector<T>& of_index) const;
+  void write_whole(const ArraySink& sink);
+  void take_part();
+  void link_to_ghosts(const ListedSpheres<Real>& part);
+  // Of a state in a file.
+  std::size_t fewest_indices() const { return kind_.empty() ? radius_.size() : 0; }
   void build_first_lists(double dt);
   template <class Work>
   void with_lists(double dt, Work work);
@@ -151,6 +163,7 @@ class EngineOf final : public Engine {
   RankShare share_, saved_share_;
   CellShares cell_shares_;     // of the present lists
   double largest_radius_ = 0;  // with ranks [m]
+  double rank_imbalance_ = 1;
   std::vector<Ranks::Bytes> parcels_;
   scene::Box domain_;  // where it is at the start of the run
   View<Real> view_;
@@ -198,14 +211,11 @@ class EngineOf final : public Engine {
   } inflow_;
 };
 
-// The spheres of a rank before the first lists are built.
+// The spheres of this rank before the first lists are built.
 inline Range share_at_start(const EngineSetup& setup) {
-  const std::size_t present = setup.spheres.size() - setup.spheres.waiting;
-  if (setup.ranks == nullptr) return {0, static_cast<std::uint32_t>(present)};
-  const auto begin_of = [&](unsigned rank) {
-    return static_cast<std::uint32_t>(present * rank / setup.ranks->size());
-  };
-  return {begin_of(setup.ranks->rank()), begin_of(setup.ranks->rank() + 1)};
+  const auto present = static_cast<std::uint32_t>(setup.spheres.size() - setup.spheres.waiting);
+  return setup.ranks == nullptr ? Range{0, present}
+                                : equal_share(present, setup.ranks->rank(), setup.ranks->size());
 }
 
 // With room for the spheres of this rank only.
@@ -501,6 +511,8 @@ void EngineOf<Exec, Law, Real>::restore() {
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
+  if constexpr (Exec::on_host)
+    if (ranks_ != nullptr) return write_whole(sink);
   write_state(exec_, memory_.now, sink);
 }
 
@@ -508,8 +520,10 @@ template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
   const std::size_t all = radius_.size();
   const SkinRange skins = memory_.now.host_window.skins;
-  read_state(exec_, memory_.now, source, kind_.empty() ? all : 0, all);
+  read_state(exec_, memory_.now, source, fewest_indices(), all);
   StateCheck<Exec, Law, Real>{exec_, memory_, view_.parameters, domain_, view_.follows, radius_, skins}();
+  if constexpr (Exec::on_host)
+    if (ranks_ != nullptr) take_part();
   adapt_to_state();
 }
 
@@ -529,3 +543,4 @@ void EngineOf<Exec, Law, Real>::adapt_to_state() {
 #include "dem_server/engine/engine_spheres.hpp"
 #include "dem_server/engine/engine_sums.hpp"
 #include "dem_server/engine/engine_tangents.hpp"
+#include "dem_server/engine/engine_whole_state.hpp"

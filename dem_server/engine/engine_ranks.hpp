@@ -6,8 +6,9 @@
 // so that the rebuild finds arrays and old lists as though this rank had always had these spheres. It ends
 // with connect_ghosts. Each step then ends with
 //
-//   swap_ghosts: the new state of the spheres that others have as ghosts
+//   send_ghosts: the new state of the spheres that others have as ghosts
 //   combine_step: the largest speed and the errors of all ranks, on which the next rebuild depends
+//   receive_ghosts
 //
 // These need the arrays in the memory of the host. A back end on a GPU will have kernels that pack and unpack
 // them; the order of all else is the same.
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <variant>
 #include <vector>
 
 #include "dem_server/engine/engine_of.hpp"
@@ -22,16 +24,26 @@
 
 namespace tandem::dem {
 
+// Work of sphere i in a step, in halves of that of a pair. A sphere takes as long as a pair in its list, some
+// 30 ns [docs/experiments/2026-11-ranks.md]. A time that is measured in the run would give other shares,
+// though the same bits, each time.
+template <BackEnd Exec, class Law, class Real>
+std::int64_t EngineOf<Exec, Law, Real>::work_of(std::uint32_t i) const {
+  const ContactLists<Real>& lists = view_.lists;
+  const Range pairs = entries_of(lists.pairs.start, i), mirrors = entries_of(lists.mirror_start, i);
+  return std::int64_t{2} + (pairs.end - pairs.begin) + (mirrors.end - mirrors.begin);
+}
+
 template <BackEnd Exec, class Law, class Real>
 CellShares EngineOf<Exec, Law, Real>::balanced_shares() const {
   const FindCell<Real> cell_of{view_};
   const std::uint32_t side = view_.window->progress[0].state_side;
   constexpr std::uint32_t per_block = CellShares::cells_per_block;
-  std::vector<std::int64_t> spheres((view_.cells().total + per_block - 1) / per_block);
+  std::vector<std::int64_t> work((view_.cells().total + per_block - 1) / per_block);
   for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i)
-    if (!is_parked(view_.spheres.position[side][i])) ++spheres[cell_of(i) / per_block];
-  ranks_->sum(spheres);
-  return {spheres, ranks_->weights()};
+    if (!is_parked(view_.spheres.position[side][i])) work[cell_of(i) / per_block] += work_of(i);
+  ranks_->sum(work);
+  return {work, ranks_->weights()};
 }
 
 // Calls f(rank) for each rank that moves sphere i or may have a neighbour of it.
@@ -190,9 +202,13 @@ void EngineOf<Exec, Law, Real>::find_own_and_ghosts() {
 // To be called when the lists are built.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::connect_ghosts() {
-  std::vector<std::int64_t> spheres(ranks_->size());
+  std::vector<std::int64_t> spheres(ranks_->size()), work(ranks_->size());
   spheres[ranks_->rank()] = share_.owned.end - share_.owned.begin;
+  for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i) work[ranks_->rank()] += work_of(i);
   ranks_->sum(spheres);
+  ranks_->sum(work);
+  const double mean = std::accumulate(work.begin(), work.end(), 0.0) / ranks_->size();
+  rank_imbalance_ = mean > 0 ? static_cast<double>(std::ranges::max(work)) / mean : 1;
   const auto lower = spheres.begin() + ranks_->rank();
   const auto first = static_cast<std::uint32_t>(std::accumulate(spheres.begin(), lower, std::int64_t{0}));
   share_.all = static_cast<std::uint32_t>(std::accumulate(lower, spheres.end(), std::int64_t{first}));
@@ -210,15 +226,15 @@ void EngineOf<Exec, Law, Real>::connect_ghosts() {
   std::erase_if(share_.links, [](const GhostLink& link) {
     return link.send.empty() && link.ghosts.begin == link.ghosts.end;
   });
-  swap_with_neighbours<std::uint32_t>(
-      [&](std::uint32_t i) { return share_.ordinal[i]; },
+  send_to_neighbours<std::uint32_t>([&](std::uint32_t i) { return share_.ordinal[i]; });
+  receive_from_neighbours<std::uint32_t>(
       [&](std::uint32_t i, std::uint32_t value) { share_.ordinal[i] = value; });
 }
 
-// Sends get(i) of each own sphere that others have as a ghost, and calls set(i, value) for each ghost.
+// Sends get(i) of each own sphere that others have as a ghost.
 template <BackEnd Exec, class Law, class Real>
-template <class T, class Get, class Set>
-void EngineOf<Exec, Law, Real>::swap_with_neighbours(Get get, Set set) {
+template <class T, class Get>
+void EngineOf<Exec, Law, Real>::send_to_neighbours(Get get) {
   std::vector<Ranks::Parcel> to, from;
   parcels_.resize(std::max(parcels_.size(), 2 * share_.links.size()));
   for (std::size_t l = 0; l < share_.links.size(); ++l) {
@@ -235,7 +251,14 @@ void EngineOf<Exec, Law, Real>::swap_with_neighbours(Get get, Set set) {
     if (!out.empty()) to.push_back({link.rank, out});
     if (!in.empty()) from.push_back({link.rank, in});
   }
-  ranks_->swap(to, from);
+  ranks_->begin_swap(to, from);
+}
+
+// Waits for what the others have sent in the same call, and calls set(i, value) for each ghost.
+template <BackEnd Exec, class Law, class Real>
+template <class T, class Set>
+void EngineOf<Exec, Law, Real>::receive_from_neighbours(Set set) {
+  ranks_->end_swap();
   for (std::size_t l = 0; l < share_.links.size(); ++l) {
     const std::byte* at = parcels_[2 * l + 1].data();
     const Range ghosts = share_.links[l].ghosts;
@@ -260,33 +283,34 @@ std::uint32_t EngineOf<Exec, Law, Real>::make_room_on_last_rank(std::uint32_t co
 }
 
 // What a neighbour reads of a sphere in a step. The label of a ghost refers to no walls.
+template <class Real, bool with_spin>
+struct GhostState {
+  PositionRadius<Real> position;
+  VelocityKind<Real> velocity;
+  [[no_unique_address]] std::conditional_t<with_spin, Spin<Real>, std::monostate> spin;
+};
+
 template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::swap_ghosts(std::uint32_t side) {
-  struct Read {
-    PositionRadius<Real> position;
-    VelocityKind<Real> velocity;
-    Spin<Real> spin;
-  };
-  struct ReadWithoutSpin {
-    PositionRadius<Real> position;
-    VelocityKind<Real> velocity;
-  };
-  using Ghost = std::conditional_t<Law::tangential, Read, ReadWithoutSpin>;
+void EngineOf<Exec, Law, Real>::send_ghosts(std::uint32_t side) {
   const SphereArrays<Real>& s = view_.spheres;
-  swap_with_neighbours<Ghost>(
-      [&](std::uint32_t i) {
-        Ghost ghost;
-        ghost.position = s.position[side][i];
-        ghost.velocity = s.velocity[side][i];
-        ghost.velocity.label = Label::of_kind(ghost.velocity.kind());
-        if constexpr (Law::tangential) ghost.spin = s.spin[side][i];
-        return ghost;
-      },
-      [&](std::uint32_t i, const Ghost& ghost) {
-        s.position[side][i] = ghost.position;
-        s.velocity[side][i] = ghost.velocity;
-        if constexpr (Law::tangential) s.spin[side][i] = ghost.spin;
-      });
+  send_to_neighbours<GhostState<Real, Law::tangential>>([&](std::uint32_t i) {
+    GhostState<Real, Law::tangential> ghost;
+    ghost.position = s.position[side][i];
+    ghost.velocity = s.velocity[side][i];
+    ghost.velocity.label = Label::of_kind(ghost.velocity.kind());
+    if constexpr (Law::tangential) ghost.spin = s.spin[side][i];
+    return ghost;
+  });
+}
+
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::receive_ghosts(std::uint32_t side) {
+  const SphereArrays<Real>& s = view_.spheres;
+  receive_from_neighbours<GhostState<Real, Law::tangential>>([&](std::uint32_t i, const auto& ghost) {
+    s.position[side][i] = ghost.position;
+    s.velocity[side][i] = ghost.velocity;
+    if constexpr (Law::tangential) s.spin[side][i] = ghost.spin;
+  });
 }
 
 // To be called when the own spheres have moved.
@@ -294,8 +318,10 @@ template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::finish_step() {
   if constexpr (Exec::on_host) {
     if (ranks_ == nullptr) return;
-    swap_ghosts(view_.window->progress[0].state_side ^ 1);
-    combine_step();
+    const std::uint32_t side = view_.window->progress[0].state_side ^ 1;
+    send_ghosts(side);
+    combine_step();  // while the messages are under way
+    receive_ghosts(side);
   }
 }
 

@@ -141,7 +141,11 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
   exec_.download(memory_.window.totals, std::span<std::int64_t>(sum));
   if (ranks_ != nullptr) {
     ranks_->sum(sum);
-    if constexpr (Exec::on_host) swap_ghosts(memory_.now.host_window.progress[0].state_side);
+    if constexpr (Exec::on_host) {
+      const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
+      send_ghosts(side);
+      receive_ghosts(side);
+    }
   }
   return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
 }

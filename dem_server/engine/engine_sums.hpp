@@ -34,14 +34,16 @@ void EngineOf<Exec, Law, Real>::begin_sums(std::uint32_t steps) {
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::close_sums(const WindowPlan& plan) {
+  if constexpr (Exec::on_host)
+    if (ranks_ != nullptr)
+      for (auto* of_window : {&memory_.dissipation_window, &memory_.wall_window})
+        ranks_->sum({of_window->data(), of_window->size()});
   if (memory_.dissipation_window.size() > 0)
     exec_.for_each(dissipation_count,
                    CloseDissipation{memory_.dissipation_window.data(), memory_.now.dissipated.data(),
                                     view_.dissipation.energy});
   if (memory_.wall_rows.size() == 0) return;
   const WallSumsView& sums = view_.wall_sums;
-  if constexpr (Exec::on_host)
-    if (ranks_ != nullptr) ranks_->sum({memory_.wall_window.data(), memory_.wall_window.size()});
   exec_.for_each(static_cast<std::uint32_t>(memory_.wall_window.size()),
                  CloseWallSums{memory_.wall_window.data(), memory_.now.wall_sums.data(), sums.force,
                                sums.work, plan.dt});

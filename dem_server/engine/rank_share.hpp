@@ -22,27 +22,32 @@
 
 namespace tandem::dem {
 
+// The entries of index i in a list that begins at start[i]; none for spheres that came in since it was built.
+inline Range entries_of(const std::uint32_t* start, std::uint32_t i) {
+  return {start[i], std::max(start[i], start[i + 1])};
+}
+
 // The range of cells of each rank.
 class CellShares {
  public:
   static constexpr std::uint32_t cells_per_block = 64;  // see CellGrid
 
   CellShares() = default;
-  // `spheres`: number in each block of cells. A rank gets about its share of them, see Ranks::weights().
-  CellShares(const std::vector<std::int64_t>& spheres, const std::vector<std::int64_t>& weights) : first_{0} {
+  // `work`: of the spheres in each block of cells. A rank gets about its share of it, see Ranks::weights().
+  CellShares(const std::vector<std::int64_t>& work, const std::vector<std::int64_t>& weights) : first_{0} {
     const auto sum = [](const std::vector<std::int64_t>& values) {
       return std::accumulate(values.begin(), values.end(), std::int64_t{0});
     };
-    const std::int64_t all = sum(spheres), weight = sum(weights);
+    const std::int64_t all = sum(work), weight = sum(weights);
     std::int64_t before = 0, weight_before = weights.front();
-    for (std::size_t block = 0; block < spheres.size(); ++block) {
+    for (std::size_t block = 0; block < work.size(); ++block) {
       while (first_.size() < weights.size() && before * weight >= all * weight_before) {
         weight_before += weights[first_.size()];
         first_.push_back(static_cast<std::uint32_t>(block) * cells_per_block);
       }
-      before += spheres[block];
+      before += work[block];
     }
-    first_.resize(weights.size() + 1, static_cast<std::uint32_t>(spheres.size()) * cells_per_block);
+    first_.resize(weights.size() + 1, static_cast<std::uint32_t>(work.size()) * cells_per_block);
   }
 
   Range of(unsigned rank) const { return {first_[rank], first_[rank + 1]}; }
@@ -98,6 +103,12 @@ struct GhostLink {
   std::vector<std::uint32_t> send;  // own spheres that are ghosts there, ascending
   Range ghosts;                     // spheres of that rank that are ghosts here
 };
+
+// Of `count` things in order, the part of a rank.
+inline Range equal_share(std::uint32_t count, unsigned rank, unsigned ranks) {
+  const auto begin = [&](std::uint64_t of) { return static_cast<std::uint32_t>(count * of / ranks); };
+  return {begin(rank), begin(std::uint64_t{rank} + 1)};
+}
 
 struct RankShare {
   Range owned;                         // see SphereArrays

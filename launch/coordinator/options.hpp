@@ -37,9 +37,10 @@ const char* dds_security(const RunOptions& options);
 struct RunOptions {
   std::filesystem::path scene, folder;
   Overrides overrides;
-  std::string backend = "auto";  // "auto", "cpu", "cuda"
-  unsigned threads = 0;          // of the particle solver; 0: the solver chooses
-  int ranks = 1;                 // processes that share the spheres
+  std::string backend = "auto";    // "auto", "cpu", "cuda"
+  unsigned threads = 0;            // of the particle solver; 0: the solver chooses
+  int ranks = 1;                   // processes that share the spheres
+  std::vector<std::string> hosts;  // of the ranks, this one first; empty: this one
   Transport transport = Transport::shm;
   bool attach = false;   // servers are started by the user
   std::string run_name;  // run name for attached servers; empty: generated

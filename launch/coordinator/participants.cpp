@@ -193,7 +193,7 @@ Participants::Participants(const RunOptions& options, const scene::Scene& scene,
       std::fflush(stdout);
     } else if (on_ranks) {
       // mpirun passes no descriptors on, so that rank 0 finds this process by a name.
-      Command command = start_of_ranks(static_cast<unsigned>(options.ranks), address(role));
+      Command command = start_of_ranks(options, address(role));
       command.log = log;
       participant->process.emplace(command);
       participant->foreign = true;

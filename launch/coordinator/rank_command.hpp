@@ -16,7 +16,7 @@ void expect_ranks(const RunOptions& options);
 // The same where they cannot compute this one.
 void expect_ranks(const RunOptions& options, const scene::Scene& scene, const ForeignServers& foreign);
 
-// Starts so many ranks by mpirun; rank 0 gets the arguments of a server.
-Command start_of_ranks(unsigned ranks, const std::vector<std::string>& arguments);
+// Starts the ranks by mpirun; rank 0, which is on this host, gets the arguments of a server.
+Command start_of_ranks(const RunOptions& options, const std::vector<std::string>& arguments);
 
 }  // namespace tandem::launch

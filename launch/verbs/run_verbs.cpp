@@ -42,9 +42,15 @@ void add_run(CLI::App& app, int& status) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   verb->add_option("--ranks", options->ranks,
-                   "Processes that share the spheres, on the cores of this host, started by mpirun; results "
+                   "Processes that share the spheres, on the cores of this host or of --hosts, started by "
+                   "mpirun; results "
                    "have the same bits for any number. --threads is then that of each")
       ->capture_default_str();
+  verb->add_option("--hosts", options->hosts,
+                   "Hosts of the ranks, as in node1,node2: this one first. mpirun reaches the others, by ssh "
+                   "or by the "
+                   "batch system, and finds tandem there in the same folder")
+      ->delimiter(',');
   verb->add_option(
           "--transport", options->transport,
           "How the servers are reached: shm, inproc, dds, or stream, their standard input and output")

@@ -13,6 +13,7 @@ void add_sweep(CLI::App& app);
 void add_soften(CLI::App& app);
 void add_validate(CLI::App& app, int& status);
 void add_describe(CLI::App& app);
+void add_plan(CLI::App& app);
 void add_preview(CLI::App& app);
 void add_modes(CLI::App& app);
 void add_import(CLI::App& app);

@@ -16,19 +16,19 @@ namespace {
 constexpr std::size_t longest_message = std::size_t{1} << 30;
 enum Tag : int { of_exchange = 1, of_swap, of_broadcast };
 
-using Requests = std::vector<MPI_Request>;
+using Pending = std::vector<MPI_Request>;
 
-void send(std::span<const std::byte> bytes, unsigned rank, Tag tag, Requests& requests) {
+void send(std::span<const std::byte> bytes, unsigned rank, Tag tag, Pending& requests) {
   for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), longest_message)))
     MPI_Isend(bytes.data(), static_cast<int>(std::min(bytes.size(), longest_message)), MPI_BYTE,
               static_cast<int>(rank), tag, MPI_COMM_WORLD, &requests.emplace_back());
 }
-void receive(std::span<std::byte> bytes, unsigned rank, Tag tag, Requests& requests) {
+void receive(std::span<std::byte> bytes, unsigned rank, Tag tag, Pending& requests) {
   for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), longest_message)))
     MPI_Irecv(bytes.data(), static_cast<int>(std::min(bytes.size(), longest_message)), MPI_BYTE,
               static_cast<int>(rank), tag, MPI_COMM_WORLD, &requests.emplace_back());
 }
-void wait_for(Requests& requests) {
+void wait_for(Pending& requests) {
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
@@ -48,13 +48,22 @@ void rest_until_message(int tag) {
 
 }  // namespace
 
-MpiRanks::MpiRanks(int& argc, char**& argv) {
+struct MpiRanks::Requests {
+  std::vector<MPI_Request> all;
+};
+
+MpiRanks::MpiRanks(int& argc, char**& argv) : swapping_(std::make_unique<Requests>()) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // of mpirun
   int provided = 0, rank = 0, size = 1;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   rank_ = static_cast<unsigned>(rank), size_ = static_cast<unsigned>(size);
+  MPI_Comm of_host = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &of_host);
+  MPI_Comm_size(of_host, &size);
+  MPI_Comm_free(&of_host);
+  on_this_host_ = static_cast<unsigned>(size);
 }
 
 MpiRanks::~MpiRanks() {
@@ -66,7 +75,7 @@ std::vector<Ranks::Bytes> MpiRanks::exchange(const std::vector<Bytes>& to) {
   std::ranges::transform(to, lengths_to.begin(), [](const Bytes& bytes) { return bytes.size(); });
   MPI_Alltoall(lengths_to.data(), 1, MPI_UINT64_T, lengths_from.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
   std::vector<Bytes> from(size_);
-  Requests requests;
+  Pending requests;
   for (unsigned rank = 0; rank < size_; ++rank) {
     if (rank == rank_) continue;
     from[rank].resize(lengths_from[rank]);
@@ -78,11 +87,15 @@ std::vector<Ranks::Bytes> MpiRanks::exchange(const std::vector<Bytes>& to) {
   return from;
 }
 
-void MpiRanks::swap(std::span<const Parcel> to, std::span<const Parcel> from) {
-  Requests requests;
+void MpiRanks::begin_swap(std::span<const Parcel> to, std::span<const Parcel> from) {
+  Pending& requests = swapping_->all;
   for (const Parcel& parcel : from) receive(parcel.bytes, parcel.rank, of_swap, requests);
   for (const Parcel& parcel : to) send(parcel.bytes, parcel.rank, of_swap, requests);
-  wait_for(requests);
+}
+
+void MpiRanks::end_swap() {
+  wait_for(swapping_->all);
+  swapping_->all.clear();
 }
 
 void MpiRanks::sum(std::span<std::int64_t> values) {
@@ -100,7 +113,7 @@ void MpiRanks::maximum(std::span<std::uint64_t> values) {
 void MpiRanks::broadcast(Bytes& bytes) {
   if (rank_ == 0) {
     std::uint64_t length = bytes.size();
-    Requests requests;
+    Pending requests;
     for (unsigned rank = 1; rank < size_; ++rank) {
       send(std::as_bytes(std::span(&length, 1)), rank, of_broadcast, requests);
       send(bytes, rank, of_broadcast, requests);
@@ -109,7 +122,7 @@ void MpiRanks::broadcast(Bytes& bytes) {
   }
   rest_until_message(of_broadcast);
   std::uint64_t length = 0;
-  Requests requests;
+  Pending requests;
   receive(std::as_writable_bytes(std::span(&length, 1)), 0, of_broadcast, requests);
   wait_for(requests);
   requests.clear();

@@ -1,6 +1,8 @@
 // Ranks that are processes of MPI.
 #pragma once
 
+#include <memory>
+
 #include "particles/base/ranks.hpp"
 
 namespace tandem::particles {
@@ -15,15 +17,19 @@ class MpiRanks final : public Ranks {
 
   unsigned rank() const override { return rank_; }
   unsigned size() const override { return size_; }
+  unsigned on_this_host() const override { return on_this_host_; }
   std::vector<Bytes> exchange(const std::vector<Bytes>& to) override;
-  void swap(std::span<const Parcel> to, std::span<const Parcel> from) override;
+  void begin_swap(std::span<const Parcel> to, std::span<const Parcel> from) override;
+  void end_swap() override;
   void sum(std::span<std::int64_t> values) override;
   void maximum(std::span<std::uint64_t> values) override;
   void broadcast(Bytes& bytes) override;
   [[noreturn]] void abort(int status) override;
 
  private:
-  unsigned rank_ = 0, size_ = 1;
+  struct Requests;
+  std::unique_ptr<Requests> swapping_;  // of the swap that has begun
+  unsigned rank_ = 0, size_ = 1, on_this_host_ = 1;
 };
 
 }  // namespace tandem::particles

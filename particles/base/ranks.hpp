@@ -21,14 +21,22 @@ class Ranks {
   virtual ~Ranks() = default;
   virtual unsigned rank() const = 0;
   virtual unsigned size() const = 0;
+  // Those on the host of this one.
+  virtual unsigned on_this_host() const { return size(); }
   // Each rank gets a share of the particles in proportion to its weight, from the next rebuild on. All ranks
   // give the same.
   virtual std::vector<std::int64_t> weights() const { return std::vector<std::int64_t>(size(), 1); }
 
   // Sends to[r] to each rank r, this one included. Returns what each of them has sent to this one.
   virtual std::vector<Bytes> exchange(const std::vector<Bytes>& to) = 0;
-  // The same between some ranks, which know the lengths of what they get.
-  virtual void swap(std::span<const Parcel> to, std::span<const Parcel> from) = 0;
+  // The same between some ranks, which know the lengths of what they get. Until end_swap() other calls may be
+  // made, and the bytes of the parcels stay where they are.
+  virtual void begin_swap(std::span<const Parcel> to, std::span<const Parcel> from) = 0;
+  virtual void end_swap() = 0;
+  void swap(std::span<const Parcel> to, std::span<const Parcel> from) {
+    begin_swap(to, from);
+    end_swap();
+  }
   // Replaces each value by the sum, or the maximum, of the values of all ranks.
   virtual void sum(std::span<std::int64_t> values) = 0;
   virtual void maximum(std::span<std::uint64_t> values) = 0;

@@ -70,6 +70,7 @@ struct WindowProgress {
   std::uint32_t near = 0;          // number of entries of ContactLists::near
   std::uint32_t listed = 0;        // pair entries in use
   std::uint32_t near_entries = 0;  // of the lists that were last built, which may not have fitted
+  std::uint32_t unused = 0;        // so that equal records have equal bytes in files
   double dt = 0;                   // micro step [s]
   double skin = 0;                 // of the present list [m]
   SkinRange skins;                 // admissible skins

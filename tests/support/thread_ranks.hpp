@@ -17,27 +17,30 @@ class ThreadRanks final : public particles::Ranks {
  public:
   // What the ranks of one run share.
   struct Team {
-    explicit Team(unsigned size) : posted(size), barrier(size) {}
-    std::vector<std::vector<Bytes>> posted;  // by sender and receiver
+    explicit Team(unsigned size) : posted{Posted(size), Posted(size)}, barrier(size) {}
+    using Posted = std::vector<std::vector<Bytes>>;  // by sender and receiver
+    Posted posted[2];  // in turn: a rank reads one while others already write the next
     std::barrier<> barrier;
   };
   ThreadRanks(unsigned rank, Team& team) : rank_(rank), team_(team) {}
 
   unsigned rank() const override { return rank_; }
-  unsigned size() const override { return static_cast<unsigned>(team_.posted.size()); }
+  unsigned size() const override { return static_cast<unsigned>(team_.posted[0].size()); }
+  unsigned on_this_host() const override { return per_host > 0 ? per_host : size(); }
+  unsigned per_host = 0;  // 0: all
   std::vector<std::int64_t> weights() const override {
     return weights_.empty() ? Ranks::weights() : weights_;
   }
   void set_weights(const std::vector<std::int64_t>& weights) { weights_ = weights; }
   std::vector<Bytes> exchange(const std::vector<Bytes>& to) override {
-    team_.posted[rank_] = to;
+    Team::Posted& posted = team_.posted[turn_++ % 2];
+    posted[rank_] = to;
     team_.barrier.arrive_and_wait();
     std::vector<Bytes> from;
-    for (const auto& of_sender : team_.posted) from.push_back(of_sender[rank_]);
-    team_.barrier.arrive_and_wait();
+    for (const auto& of_sender : posted) from.push_back(of_sender[rank_]);
     return from;
   }
-  void swap(std::span<const Parcel> to, std::span<const Parcel> from) override {
+  void begin_swap(std::span<const Parcel> to, std::span<const Parcel> from) override {
     std::vector<Bytes> out(size());
     for (const Parcel& parcel : to) out[parcel.rank].assign(parcel.bytes.begin(), parcel.bytes.end());
     std::vector<Bytes> in = exchange(out);
@@ -49,6 +52,7 @@ class ThreadRanks final : public particles::Ranks {
     for (const Bytes& rest : in)
       if (!rest.empty()) std::abort();
   }
+  void end_swap() override {}
   void sum(std::span<std::int64_t> values) override {
     combine(values, [](std::int64_t a, std::int64_t b) { return a + b; });
   }
@@ -73,7 +77,7 @@ class ThreadRanks final : public particles::Ranks {
     }
   }
 
-  unsigned rank_;
+  unsigned rank_, turn_ = 0;
   Team& team_;
   std::vector<std::int64_t> weights_;  // empty: equal ones
 };

@@ -9,11 +9,9 @@
 #include "dem_server/coupling/state_hash.hpp"
 #include "dem_server/engine/rank_share.hpp"
 #include "tests/support/boulder.hpp"
-#include "tests/support/particle_run.hpp"
-#include "tests/support/particle_scenes.hpp"
 #include "tests/support/periodic_scene.hpp"
+#include "tests/support/rank_runs.hpp"
 #include "tests/support/solver_run.hpp"
-#include "tests/support/thread_ranks.hpp"
 #include "tests/support/tool_scene.hpp"
 
 namespace tandem::test {
@@ -21,101 +19,30 @@ namespace {
 
 using particles::Backend;
 
-constexpr double dt = 2e-5;  // [s]
-
-// What a run reports, to be compared bit by bit.
-struct Result {
-  std::string hash;
-  std::vector<double> values;
-  std::vector<double> frame;                           // on rank 0
-  std::uint64_t rebuilds = 0, contacts = 0, lost = 0;  // contacts: the most after a window
-
-  void add(const Vec3d& v) { values.insert(values.end(), {v.x, v.y, v.z}); }
-  void add(const dem::WindowOutcome& o) {
-    for (const Wrench& load : o.load) add(load.force), add(load.torque);
-    for (const dem::Totals& t : {o.begin, o.end}) {
-      add(t.momentum);
-      values.insert(values.end(), {t.mass, t.kinetic_energy, static_cast<double>(t.contacts)});
-    }
-    add(o.lost_momentum), add(o.gravity_impulse);
-    values.insert(values.end(), {o.max_overlap_ratio, o.max_speed, o.skin, static_cast<double>(o.window.used),
-                                 static_cast<double>(o.window.lost)});
-    values.insert(values.end(), o.wall_means.begin(), o.wall_means.end());
-    values.insert(values.end(), o.belt_pull.begin(), o.belt_pull.end());
-    rebuilds = o.window.rebuilds, lost = o.window.lost;
-    contacts = std::max(contacts, o.end.contacts);
-  }
-};
-
-struct Case {
-  std::string json;
-  int windows = 6;
-  std::uint32_t steps = 400;
-  void (*change)(particles::Spheres&) = [](particles::Spheres&) {};
-  // Between two windows, on all ranks.
-  void (*between)(ParticleRun&, int window, Result&) = [](ParticleRun&, int, Result&) {};
-  std::vector<std::vector<std::int64_t>> weights = {};  // of the ranks, window after window
-};
-
-Result result_of(const Case& c, ThreadRanks* ranks) {
-  ParticleRun run(c.json, Backend::cpu, 1, c.change, {}, ranks);
-  Result result;
-  for (int w = 0; w < c.windows; ++w) {
-    c.between(run, w, result);
-    if (ranks != nullptr && !c.weights.empty())
-      ranks->set_weights(c.weights[static_cast<std::size_t>(w) % c.weights.size()]);
-    result.add(run.advance(c.steps, dt));
-  }
-  result.hash = dem::state_hash(run.state());
-  return result;
-}
-
-Result expect_same_bits(const Case& c, const std::vector<unsigned>& sizes = {2, 3}) {
-  const Result one = result_of(c, nullptr);
-  EXPECT_GE(one.rebuilds, 3u);
-  EXPECT_GT(one.contacts, 0u);
-  for (const unsigned size : sizes)
-    on_ranks(size, [&](ThreadRanks& ranks) {
-      const Result found = result_of(c, &ranks);
-      if (ranks.rank() == 0) {
-        EXPECT_EQ(found.hash, one.hash) << size << " ranks";
-        EXPECT_EQ(found.frame, one.frame) << size << " ranks";
-      }
-      EXPECT_EQ(found.values, one.values) << "rank " << ranks.rank() << " of " << size;
-      EXPECT_EQ(found.rebuilds, one.rebuilds);
-    });
-  return one;
-}
-
-struct Law {
-  const char *name, *contact, *options;
-};
-void PrintTo(const Law& law, std::ostream* out) {
-  *out << law.name;
-}
-class LawOverRanks : public testing::TestWithParam<Law> {};
+class LawOverRanks : public testing::TestWithParam<LawOfRanks> {};
 INSTANTIATE_TEST_SUITE_P(
     Laws, LawOverRanks,
-    testing::Values(Law{"hertz_mindlin", "hertz_mindlin", ""}, Law{"frictionless", "hertz_frictionless", ""},
-                    Law{"paper", "paper", ""}, Law{"double", "hertz_mindlin", R"("precision": "double",)"},
-                    Law{"frictionless_double", "hertz_frictionless", R"("precision": "double",)"},
-                    Law{"hooke", "hooke", ""},
-                    Law{"jkr_rolling", "jkr",
-                        R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)"},
-                    Law{"sjkr_double", "sjkr", R"("precision": "double", "rolling": "elastic_plastic",)"}),
+    testing::Values(
+        LawOfRanks{"hertz_mindlin", "hertz_mindlin", ""},
+        LawOfRanks{"frictionless", "hertz_frictionless", ""}, LawOfRanks{"paper", "paper", ""},
+        LawOfRanks{"double", "hertz_mindlin", R"("precision": "double",)"},
+        LawOfRanks{"frictionless_double", "hertz_frictionless", R"("precision": "double",)"},
+        LawOfRanks{"hooke", "hooke", ""},
+        LawOfRanks{"jkr_rolling", "jkr", R"("rolling": "elastic_plastic", "twisting": "elastic_plastic",)"},
+        LawOfRanks{"sjkr_double", "sjkr", R"("precision": "double", "rolling": "elastic_plastic",)"}),
     [](const auto& law) { return std::string(law.param.name); });
 
 TEST_P(LawOverRanks, GivesTheBitsOfOneProcess) {
-  expect_same_bits({falling_spheres(GetParam().contact, GetParam().options), 5, 400}, {2, 4});
+  expect_same_bits({few_spheres(GetParam().contact, GetParam().options), 4, 400}, {3});
 }
 
 TEST(Ranks, OfABoulderAmongSmallSpheres) {
-  Case c{falling_spheres("hertz_mindlin", "", 401), 8, 25, make_boulder};
+  RankCase c{falling_spheres("hertz_mindlin", "", 401), 8, 25, make_boulder};
   EXPECT_GT(expect_same_bits(c).contacts, 100u);
 }
 
 TEST(Ranks, AcrossPeriodicFaces) {
-  Case c{chute(nlohmann::json::object()).json(), 10, 400};
+  RankCase c{chute(nlohmann::json::object()).json(), 10, 400};
   EXPECT_GT(expect_same_bits(c).contacts, 100u);
 }
 
@@ -125,9 +52,43 @@ TEST(Ranks, MoreThanBlocksOfCells) {
 }
 
 TEST(Ranks, WithUnevenSharesThatChange) {
-  Case c{falling_spheres("hertz_mindlin"), 8, 400};
+  RankCase c{few_spheres("hertz_mindlin"), 8, 400};
   c.weights = {{1, 1, 1}, {10, 1, 1}, {1, 0, 5}, {0, 0, 1}, {3, 20, 1}};
   expect_same_bits(c, {3});
+}
+
+// Close spheres below, others far apart above. The first lists share out the spheres, the second ones their
+// pairs.
+TEST(Ranks, ShareTheWork) {
+  const auto stacked = [](particles::Spheres& s) {
+    std::size_t k = 0;
+    const auto fill = [&](int across, double spacing, double from, std::size_t end) {
+      for (int layer = 0; k < end; ++layer)
+        for (int at = 0; at < across * across && k < end; ++at)
+          s.position[k++] = {-0.09 + spacing * (at % across), -0.09 + spacing * (at / across),
+                             from + spacing * layer};
+    };
+    std::ranges::fill(s.radius, 0.008);
+    fill(11, 0.0165, 0.06, 1100);
+    fill(6, 0.032, 0.25, s.size());
+  };
+  on_ranks(2, [&](ThreadRanks& ranks) {
+    ParticleRun run(falling_spheres("hertz_mindlin", "", 1600), Backend::cpu, 1, stacked, {}, &ranks);
+    run.advance(1, rank_dt);
+    const double by_spheres = run.engine->rank_imbalance();
+    run.advance(1, rank_dt, 1);
+    const double by_pairs = run.engine->rank_imbalance();
+    ranks.set_weights({3, 1});
+    run.advance(1, rank_dt, 1);
+    if (ranks.rank() == 0)
+      std::printf(
+          "  work of the busier rank: %.3f of the mean by spheres, %.3f by pairs; expected 1, tolerance "
+          "0.06\n",
+          by_spheres, by_pairs);
+    EXPECT_GT(by_spheres, 1.2);
+    EXPECT_NEAR(by_pairs, 1, 0.06);
+    EXPECT_NEAR(run.engine->rank_imbalance(), 1.5, 0.09);
+  });
 }
 
 TEST(CellShares, AreInProportionToTheWeights) {
@@ -154,9 +115,9 @@ TEST(CellShares, AreInProportionToTheWeights) {
 }
 
 TEST(Ranks, RestoredContinueToTheSameBits) {
-  Case c{falling_spheres("hertz_mindlin")};
+  RankCase c{few_spheres("hertz_mindlin")};
   c.windows = 9;
-  c.between = [](ParticleRun& run, int window, Result&) {
+  c.between = [](ParticleRun& run, int window, RankResult&) {
     if (window == 4) run.engine->save();
     if (window == 7) run.engine->restore();
   };
@@ -165,8 +126,8 @@ TEST(Ranks, RestoredContinueToTheSameBits) {
 
 // Spheres that leave through an outlet, and later come in at the top, where other ranks have their cells.
 TEST(Ranks, WithSpheresThatGoOutAndComeIn) {
-  Case c{falling_spheres("hertz_mindlin"), 12, 150, [](particles::Spheres& s) { s.waiting = 40; }};
-  c.between = [](ParticleRun& run, int window, Result& result) {
+  RankCase c{few_spheres("hertz_mindlin"), 12, 150, [](particles::Spheres& s) { s.waiting = 40; }};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
     if (window == 6)
       result.values.push_back(
           static_cast<double>(run.engine->remove({{-0.3, -0.3, -0.1}, {0.0, 0.3, 0.8}, {}, false})));
@@ -188,15 +149,15 @@ TEST(Ranks, WithSpheresThatGoOutAndComeIn) {
 }
 
 TEST(Ranks, WithSpheresThatLeaveTheDomain) {
-  std::string json = falling_spheres("hertz_mindlin");
+  std::string json = few_spheres("hertz_mindlin");
   const std::string domain = R"("min": [-0.3, -0.3, -0.1])";
   json.replace(json.find(domain), domain.size(), R"("min": [-0.3, -0.3, 0.045])");
   EXPECT_GT(expect_same_bits({json, 10, 400}).lost, 10u);
 }
 
 TEST(Ranks, MeasureRegions) {
-  Case c{falling_spheres("hertz_mindlin")};
-  c.between = [](ParticleRun& run, int, Result& result) {
+  RankCase c{few_spheres("hertz_mindlin")};
+  c.between = [](ParticleRun& run, int, RankResult& result) {
     const dem::MeasuredRegion region{{0, 0, 0.2}, {}, {0.1, 0.08, 0.15}, false, {0, 0, 1}, {}};
     for (const dem::RegionSums& sums : run.engine->measure({&region, 1})) {
       result.add(sums.moment), result.add(sums.momentum);
@@ -208,8 +169,8 @@ TEST(Ranks, MeasureRegions) {
 }
 
 TEST(Ranks, KeepASnapshot) {
-  Case c{falling_spheres("hertz_mindlin")};
-  c.between = [](ParticleRun& run, int window, Result& result) {
+  RankCase c{few_spheres("hertz_mindlin")};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
     static thread_local dem::SphereFrame frame;
     if (window == 3) run.engine->snapshot();
     if (window == 5) {
@@ -227,13 +188,13 @@ TEST(Ranks, EndTogetherWhereASphereIsTooFast) {
     std::atomic<unsigned> found = 0;
     on_ranks(size, [&](ThreadRanks& ranks) {
       ParticleRun run(
-          falling_spheres("hertz_mindlin"), Backend::cpu, 1,
+          few_spheres("hertz_mindlin"), Backend::cpu, 1,
           [](particles::Spheres& s) {
             s.velocity[40] = {0, 0, 1e9};
           },
           {}, size > 1 ? &ranks : nullptr);
       try {
-        run.advance(10, dt);
+        run.advance(10, rank_dt);
       } catch (const dem::SphereError& error) {
         const std::size_t expected = ranks.rank() == 0 || size == 1 ? run.spheres.size() : 0;
         EXPECT_EQ(error.before.size(), expected);
@@ -245,14 +206,55 @@ TEST(Ranks, EndTogetherWhereASphereIsTooFast) {
 }
 
 TEST(Ranks, SumWhatActsOnWalls) {
-  nlohmann::json scene = nlohmann::json::parse(falling_spheres("hertz_mindlin"));
+  nlohmann::json scene = nlohmann::json::parse(few_spheres("hertz_mindlin"));
   for (const char* wall : {"box", "plate", "floor"})
     scene["dem"]["sensors"].push_back({{"name", wall}, {"wall", wall}});
   scene["output"]["wall_fields"] = {"plate", "box"};
-  Case c{scene.dump()};
-  c.between = [](ParticleRun& run, int, Result& result) {
+  RankCase c{scene.dump()};
+  c.between = [](ParticleRun& run, int, RankResult& result) {
     const std::vector<double>& fields = run.engine->wall_fields();
     result.values.insert(result.values.end(), fields.begin(), fields.end());
+  };
+  expect_same_bits(c, {3});
+}
+
+TEST(Ranks, SumTheDissipatedEnergy) {
+  nlohmann::json scene =
+      nlohmann::json::parse(few_spheres("hertz_mindlin", R"("rolling": "elastic_plastic",)"));
+  scene["output"]["dissipation"] = true;
+  RankCase c{scene.dump()};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
+    const std::vector<double> energy = run.engine->dissipated();
+    for (const double part : energy) EXPECT_TRUE(window < 4 || part > 0);
+    result.values.insert(result.values.end(), energy.begin(), energy.end());
+  };
+  expect_same_bits(c, {3});
+}
+
+// From the frame at the start on, for which lists are built that the run does without.
+TEST(Ranks, SendTheContactsOfSpheresAndBodies) {
+  nlohmann::json scene = nlohmann::json::parse(few_spheres("hertz_mindlin"));
+  scene["output"]["fields"] = {"contact_count", "mean_stress"};
+  scene["output"]["contacts"] = {"ground"};
+  RankCase c{scene.dump()};
+  c.between = [](ParticleRun& run, int window, RankResult& result) {
+    const std::vector<particles::BodyPose> poses{{{}, Quat{}.matrix(), {}, {}}};
+    const std::vector<std::uint8_t> wanted{1};
+    dem::ContactsFrame frame;
+    run.engine->download({poses, rank_dt}, frame);
+    std::uint32_t contacts = 0;
+    for (std::size_t i = 0; i < frame.count.size(); ++i) {
+      contacts += frame.count[i];
+      result.frame.insert(result.frame.end(), {static_cast<double>(frame.count[i]), frame.mean_stress[i]});
+    }
+    const std::vector<dem::BodyContact> of_ground = run.engine->body_contacts({poses, rank_dt}, wanted);
+    for (const dem::BodyContact& at : of_ground)
+      result.frame.insert(result.frame.end(), {static_cast<double>(at.sphere), at.point.x, at.point.y,
+                                               at.point.z, at.force.x, at.force.y, at.force.z});
+    if (window == 5 && !frame.count.empty()) {
+      EXPECT_GT(contacts, 50u);
+      EXPECT_GT(of_ground.size(), 5u);
+    }
   };
   expect_same_bits(c, {3});
 }
@@ -307,6 +309,35 @@ std::vector<double> seen_of(std::unique_ptr<protocol::LoadSolver> solver, std::s
   hash = run.hash();
   EXPECT_GT(stiffest, 0) << "the tool touches spheres";
   return seen;
+}
+
+TEST(RankedSolver, PredictsTheMemoryOfAHost) {
+  const nlohmann::json scene = rain_on_a_tool();
+  const auto predicted = [&](std::unique_ptr<protocol::LoadSolver> solver) {
+    return SolverRun(scene, "test.json", 1, "cpu", std::move(solver))
+        .configured["dem_memory_predicted_MB"]
+        .get<double>();
+  };
+  const double one = predicted(dem::make_solver());
+  on_ranks(2, [&](ThreadRanks& ranks) {
+    const double together = predicted(dem::make_solver_of_rank(ranks));
+    ranks.per_host = 1;
+    const double alone = predicted(dem::make_solver_of_rank(ranks));
+    EXPECT_DOUBLE_EQ(together, 2 * alone);
+    EXPECT_GT(together, one) << "the cells of the domain twice";
+    EXPECT_LT(alone, one);
+  });
+}
+
+TEST(RankedSolver, RefusesUnlikePrograms) {
+  for (const bool alike : {true, false})
+    on_ranks(3, [&](ThreadRanks& ranks) {
+      const std::uint64_t digest = !alike && ranks.rank() == 2 ? 7 : 6;
+      if (alike)
+        EXPECT_NO_THROW(dem::expect_same_program(ranks, digest));
+      else
+        EXPECT_THROW(dem::expect_same_program(ranks, digest), Error);
+    });
 }
 
 TEST(RankedSolver, IsOneParticipantWithTheSameBits) {

@@ -1,0 +1,132 @@
+// The model of cost of several ranks, against the measured rates that it comes from and its page.
+#include "launch/sizing/cost_model.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace tandem::launch {
+namespace {
+
+std::vector<std::string> lines_of(const std::string& file) {
+  std::ifstream stream(std::string(TANDEM_SOURCE_DIR) + "/" + file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// Whether one line of the file has all of these words.
+bool has_row(const std::string& file, const std::vector<std::string>& words) {
+  for (const std::string& line : lines_of("tests/benchmark/results/" + file)) {
+    bool all = true;
+    for (const std::string& word : words) all = all && line.find(word) != std::string::npos;
+    if (all) return true;
+  }
+  return false;
+}
+
+TEST(CostModel, HasTheRatesOfTheResults) {
+  for (const MeasuredRun& run : {settled_on_gpu, smaller_on_gpu, frictionless_on_gpu, drum_on_gpu,
+                                 small_drum_on_gpu, settled_on_core, drum_on_core})
+    EXPECT_TRUE(has_row(run.file,
+                        {fmt::format(",{},", run.commit), fmt::format(",{},", run.scene),
+                         fmt::format(",{},", run.variant), fmt::format(",{:.0f},", run.spheres),
+                         fmt::format(",{:.3f},", run.us_per_micro_step), fmt::format(",{}", run.memory_MB)}))
+        << run.file << ' ' << run.scene << ' ' << run.us_per_micro_step;
+  for (const MeasuredMessage& message : between_cores)
+    EXPECT_TRUE(has_row("ranks.csv",
+                        {fmt::format("halo,2,{:.0f},", message.bytes), fmt::format(",{:.2f}", message.us)}))
+        << message.bytes;
+  EXPECT_TRUE(has_row("ranks.csv", {"maximum,2,", fmt::format(",{:.2f}", maximum_over_two_cores)}));
+}
+
+TEST(CostModel, HasTheMessagesOfItsPage) {
+  std::string page;
+  for (const std::string& line : lines_of("docs/experiments/2026-11-ranks.md")) page += line + "\n";
+  for (const MeasuredMessage& message : between_gpus)
+    EXPECT_NE(page.find(fmt::format("| {:.0f} B | {:.1f} us |", message.bytes, message.us)),
+              std::string::npos)
+        << message.bytes;
+}
+
+// A run that the model was not made from: a million spheres at rest.
+TEST(CostModel, PredictsARunOnOneGpu) {
+  Bed bed;
+  bed.spheres = smaller_on_gpu.spheres;
+  const RankCost cost = cost_of(bed, gpu_kind(Flow::settled, true), 1);
+  std::printf(
+      "  1,000,000 at rest: expected %.1f us, predicted %.1f us, tolerance 3 %%; memory expected %.0f MB, "
+      "predicted "
+      "%.0f MB, tolerance 2 %%\n",
+      smaller_on_gpu.us_per_micro_step, cost.step_us(), smaller_on_gpu.memory_MB, cost.memory / 1e6);
+  EXPECT_NEAR(cost.step_us(), smaller_on_gpu.us_per_micro_step, 0.03 * smaller_on_gpu.us_per_micro_step);
+  EXPECT_NEAR(cost.memory / 1e6, smaller_on_gpu.memory_MB, 0.02 * smaller_on_gpu.memory_MB);
+}
+
+TEST(CostModel, AddsWhatRanksExchange) {
+  const RankKind kind = gpu_kind(Flow::settled, true);
+  Bed bed;
+  bed.spheres = 2e6, bed.layer = 10'000, bed.bytes_per_ghost = 48, bed.bytes_of_cells = 4e6;
+  const RankCost two = cost_of(bed, kind, 2), four = cost_of(bed, kind, 4);
+  EXPECT_EQ(two.ghosts, 10'000);
+  EXPECT_EQ(four.ghosts, 20'000) << "a slab between two others";
+  EXPECT_EQ(two.halo_us, 6.6) << "480 kB";
+  EXPECT_EQ(two.agreement_us, 2.25);
+  EXPECT_EQ(four.agreement_us, 4.5);
+  EXPECT_DOUBLE_EQ(two.work_us, kind.step_us + 1e6 * kind.us_per_sphere);
+  EXPECT_DOUBLE_EQ(two.memory, 1.01e6 * kind.bytes_per_sphere + 2e6);
+  // Nine GPUs are on two hosts.
+  EXPECT_DOUBLE_EQ(cost_of(bed, kind, 9).halo_us, 12 + 480e3 / 20e3);
+  EXPECT_DOUBLE_EQ(message_time(between_gpus, 32e6), 186);
+  EXPECT_EQ(message_time(between_gpus, 10), 6.0);
+}
+
+TEST(CostModel, FitsTheLargestBedIntoMemory) {
+  const RankKind kind = gpu_kind(Flow::settled, true);
+  Bed bed = tower_of_cubes(1e6, 1);
+  std::string limit;
+  const double one = largest_bed(bed, kind, 1, limit);
+  EXPECT_EQ(limit, "memory");
+  EXPECT_NEAR(one * kind.bytes_per_sphere, 0.97 * kind.memory, 1);
+  const double two = largest_bed(bed, kind, 2, limit);
+  EXPECT_LT(two, 2 * one) << "ghosts, and the cells of the whole domain";
+  EXPECT_GT(two, 1.9 * one);
+  EXPECT_EQ(largest_bed(bed, kind, 64, limit), 1 << 30);
+  EXPECT_EQ(limit, "ids of spheres end there");
+}
+
+// With TANDEM_WRITE_DOCS set, this test writes the table of the page.
+TEST(CostModel, HasItsTableInTheDocs) {
+  std::string table;
+  for (const double each : {1e6, 1e7})
+    for (const unsigned gpus : {1u, 2u, 4u, 8u, 64u, 1024u}) {
+      const Bed bed = tower_of_cubes(each, gpus);
+      const RankKind kind = gpu_kind(Flow::settled, true);
+      const RankCost one = cost_of(tower_of_cubes(each, 1), kind, 1), cost = cost_of(bed, kind, gpus);
+      const bool has_ids = bed.spheres <= std::int64_t{1} << 30;
+      table += fmt::format(
+          "| {:.0f} M | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} % | {:.1f} % | {:.2f} GB{} |\n", each / 1e6,
+          gpus, cost.work_us, cost.halo_us, cost.agreement_us, 100 * one.step_us() / cost.step_us(),
+          100 * one.step_us() / cost.hidden_us(), cost.memory / 1e9, has_ids ? "" : "; too many ids");
+    }
+  const std::string file = "docs/cost_of_ranks.md", begin = "|---|---|---|---|---|---|---|---|\n";
+  std::string page;
+  for (const std::string& line : lines_of(file)) page += line + "\n";
+  const auto from = page.find(begin) + begin.size(), to = page.find("\n\n", from - 1);
+  ASSERT_TRUE(page.find(begin) != std::string::npos && to != std::string::npos);
+  if (std::getenv("TANDEM_WRITE_DOCS") != nullptr) {
+    page.replace(from, to + 1 - from, table);
+    std::ofstream(std::string(TANDEM_SOURCE_DIR) + "/" + file) << page;
+  } else {
+    EXPECT_EQ(page.substr(from, to + 1 - from), table)
+        << "run with TANDEM_WRITE_DOCS=1 to bring it up to date";
+  }
+}
+
+}  // namespace
+}  // namespace tandem::launch
