@@ -619,7 +619,7 @@ struct Output {
 // "summary.lost_particles". `reduce` computes one number from the part from..to of the signal.
 struct Check {
   std::string name, of;
-  // Last, mean, min, max, range, period (mean distance of upward crossings of the mean).
+  // Last, mean, rms, mean_abs, min, max, range, period (mean distance of upward crossings of the mean).
   std::string reduce = "last";
   double from = 0, to = 0;  // [s]; to = 0 means the end
   double expected = 0;      // with expected_of: filled in by the evaluation

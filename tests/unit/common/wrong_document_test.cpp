@@ -195,7 +195,8 @@ const WrongScene wrong_document[] = {
      "crate.orientation.z, crate.velocity.x, crate.velocity.y, crate.velocity.z, crate.angular_velocity.x, "
      "crate.angular_velocity.y, and 1 more)"},
     {"CheckWithUnknownReduce", R"([{"op": "replace", "path": "/checks/0/reduce", "value": "average"}])",
-     "checks[0].reduce: the value is \"average\" (known values: last, mean, min, max, range, period)"},
+     "checks[0].reduce: the value is \"average\" (known values: last, mean, rms, mean_abs, min, max, range, "
+     "period)"},
     {"CheckAfterTheEnd", R"([{"op": "replace", "path": "/checks/0/to", "value": 0.6}])",
      "checks[0].to: 0.6 s is after the end of the run at 0.5 s (leave it out to mean the end)"},
     {"CheckOfEmptyPart", R"([{"op": "replace", "path": "/checks/0/from", "value": 0.5}])",
