@@ -86,7 +86,8 @@ MbdSolver::Machine::Machine(const scene::Scene& scene, const std::vector<NamedMe
       undetermined(model),
       balance(model),
       elements(model, scene::elements_of(scene)),
-      bottoming(model) {
+      bottoming(model),
+      machine_elements(forces_of<Element>(model)) {
   for (std::size_t k = 0; k < model.boundary.size(); ++k)
     if (const auto of = loads.find(static_cast<std::uint32_t>(model.boundary[k])); of != loads.end())
       state.loads.col(static_cast<Eigen::Index>(k)) =
@@ -433,7 +434,7 @@ protocol::Report MbdSolver::report() {
       .unstable_start = unstable_start_,
       .most_loaded_joint = loaded < 0 ? "" : m.joint_names[static_cast<std::size_t>(loaded)],
       .sharpest_turn_loop = turned < 0 ? "" : m.model.closures[static_cast<std::size_t>(turned)].name,
-      .cavitated = cavitated < 0 ? "" : m.model.elements[static_cast<std::size_t>(cavitated)].name,
+      .cavitated = cavitated < 0 ? "" : m.machine_elements[static_cast<std::size_t>(cavitated)]->name,
       .deepest_contact = deepest < 0
                              ? ""
                              : m.model.contact.shape(deepest).name + " and " +

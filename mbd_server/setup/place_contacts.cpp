@@ -391,26 +391,20 @@ double largest_contact_shape(const scene::Scene& scene, const std::vector<NamedM
 }
 
 // The ground's shapes are the first ones, in their order.
-void place_roads(const scene::Scene& scene, Model& model) {
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < scene.mbd->forces.size(); ++i) {
-    const auto* from = std::get_if<scene::Tyre>(&scene.mbd->forces[i]);
-    if (!from) continue;
-    TyreOnLink& tyre = model.tyres[next++];
-    if (from->road.empty()) continue;
-    const auto road = std::make_shared<Road>();
-    for (const std::string& name : from->road) {
-      const auto& ground = scene.contact->ground;
-      const auto index =
-          static_cast<int>(std::ranges::find(ground, name, &scene::Shape::name) - ground.begin());
-      const ContactShape& shape = model.contact.shape(index);
-      road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2), index});
-    }
-    tyre.road = road;
-    const scene::Joint& joint = scene.mbd->joints[from->joint.value];
-    expect_above(tyre, to_eigen(joint.child_position.value_or(joint.position)) - model.origin,
-                 "mbd.forces[" + std::to_string(i) + "]");
+void place_road(const scene::Scene& scene, const scene::Tyre& from, const std::string& path,
+                const Model& model, TyreOnLink& tyre) {
+  if (from.road.empty()) return;
+  const auto road = std::make_shared<Road>();
+  for (const std::string& name : from.road) {
+    const auto& ground = scene.contact->ground;
+    const auto index =
+        static_cast<int>(std::ranges::find(ground, name, &scene::Shape::name) - ground.begin());
+    const ContactShape& shape = model.contact.shape(index);
+    road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2), index});
   }
+  tyre.road = road;
+  const scene::Joint& joint = scene.mbd->joints[from.joint.value];
+  expect_above(tyre, to_eigen(joint.child_position.value_or(joint.position)) - model.origin, path);
 }
 
 }  // namespace tandem::mbd

@@ -2,6 +2,9 @@
 #include <algorithm>
 
 #include "common/scene/columns.hpp"
+#include "mbd_server/forces/drive.hpp"
+#include "mbd_server/forces/element_force.hpp"
+#include "mbd_server/forces/hydraulics.hpp"
 #include "mbd_server/setup/placement.hpp"
 
 namespace tandem::mbd {
@@ -22,6 +25,7 @@ Signal signal(const scene::Motion& motion, const std::string& input, const std::
   const bool smooth =
       of == SignalOf::coordinate && table && table->interpolation == scene::Interpolation::monotone;
   model.drives.emplace_back(motion, smooth ? scene::FunctionOf::coordinate : scene::FunctionOf::force);
+  model.drive_is_force.push_back(false);
   return {.drive = static_cast<int>(model.drives.size()) - 1, .input = none};
 }
 
@@ -99,8 +103,8 @@ void place_element(const scene::Motor& motor, int account, const std::vector<std
     }
   }
   add_states(element, drive, 1, model);
-  element.law = drive;
-  model.elements.push_back(std::move(element));
+  element.law = std::make_shared<Drive>(drive);
+  model.forces.push_back(make_force(std::move(element)));
 }
 
 void place_element(const Placement& placement, const scene::Cylinder& cylinder, int account,
@@ -132,16 +136,16 @@ void place_element(const Placement& placement, const scene::Cylinder& cylinder, 
     add_state(element, data.pressure_a.value_or(oil.tank), oil.supply, "pressure in chamber a", model);
     add_state(element, data.pressure_b.value_or(oil.tank), oil.supply, "pressure in chamber b", model);
     limit_input(element.signal, -1, "the valve of " + element.name, model);
-    element.law = oil;
+    element.law = std::make_shared<Hydraulics>(oil);
   } else {
     Drive drive;
     if (cylinder.control == scene::CylinderControl::stroke)
       drive = controlled(cylinder.gains, Drive::Of::position);
     if (cylinder.max_force) drive.limit = *cylinder.max_force;
     add_states(element, drive, model.size, model);
-    element.law = drive;
+    element.law = std::make_shared<Drive>(drive);
   }
-  model.elements.push_back(std::move(element));
+  model.forces.push_back(make_force(std::move(element)));
 }
 
 }  // namespace tandem::mbd

@@ -2,7 +2,12 @@
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
+#include "mbd_server/forces/body_load.hpp"
+#include "mbd_server/forces/bushing.hpp"
 #include "mbd_server/forces/joint_force.hpp"
+#include "mbd_server/forces/rope.hpp"
+#include "mbd_server/forces/spring_damper.hpp"
+#include "mbd_server/forces/tyre.hpp"
 #include "mbd_server/setup/placement.hpp"
 
 namespace tandem::mbd {
@@ -20,15 +25,24 @@ struct Placer {
   int account;
   const std::vector<std::string>& inputs;
 
+  template <class Data>
+  void add(Data data) const {
+    model.forces.push_back(make_force(std::move(data)));
+  }
+  int add_force_over_time(const scene::Motion& size) const {
+    model.drives.emplace_back(size, scene::FunctionOf::force);
+    model.drive_is_force.push_back(true);
+    return static_cast<int>(model.drives.size()) - 1;
+  }
+
   SizeOverJoint over_joint(const scene::JointFunction& f) const {
     return {model.joints.at(f.joint.value).coordinate_link, f.of_rate,
             PeriodicCurve(f.table.arguments, f.table.values, f.period, PeriodicCurve::Smoothness::slope)};
   }
 
   void operator()(const scene::SpringDamper& f) const {
-    model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a),
-                             at.point(model, f.body_b, f.point_b), ForceLaw(f.stiffness, f.table),
-                             ForceLaw(f.damping, f.damping_table), f.length, account});
+    add(Spring{f.name, at.point(model, f.body_a, f.point_a), at.point(model, f.body_b, f.point_b),
+               ForceLaw(f.stiffness, f.table), ForceLaw(f.damping, f.damping_table), f.length, account});
   }
   void operator()(const scene::RotationalSpringDamper& f) const {
     const SceneJoint& joint = model.joints.at(f.joint.value);
@@ -45,19 +59,18 @@ struct Placer {
     force.viscous = ForceLaw(f.damping, f.damping_table);
   }
   void operator()(const scene::Bushing& f) const {
-    model.bushings.push_back({f.name, at.point(model, f.body_a, f.position),
-                              at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping),
-                              account});
+    add(BushingOnLinks{f.name, at.point(model, f.body_a, f.position), at.point(model, f.body_b, f.position),
+                       matrix(f.stiffness), matrix(f.damping), account});
   }
   void operator()(const scene::Rope& f) const {
-    RopeOnLinks& rope = model.ropes.emplace_back();
+    RopeOnLinks rope;
     rope.name = f.name;
     rope.account = account;
     for (const scene::RopePoint& p : f.points) rope.points.push_back(at.point(model, p.body, p.point));
     rope.length = f.length;
     rope.stiffness = f.axial_stiffness / f.length;
     rope.damping = f.damping;
-    if (!f.drum) return;
+    if (!f.drum) return add(std::move(rope));
     rope.drum = model.joints.at(f.drum->value).coordinate_link;
     rope.per_angle = scene::drum_lead(f, at.scene.mbd->joints).per_angle;
     rope.drum_body = model.joints.at(f.drum->value).child;
@@ -65,14 +78,21 @@ struct Placer {
       if (p.link == rope.drum)
         throw Error(ErrorCode::scene, "rope \"" + f.name + "\" has a point that turns with its drum", where,
                     "give points of bodies that are not fixed to the drum");
+    add(std::move(rope));
   }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
     const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
-    model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque,
-                           f.follows, MotionFunction(f.size, scene::FunctionOf::force)});
-    model.loads.back().account = account;
-    if (f.over) model.loads.back().over = over_joint(*f.over);
+    LoadOnLink load{.at = at.point(model, f.body, point),
+                    .direction = to_eigen(f.direction).normalized(),
+                    .torque = torque,
+                    .follows = f.follows,
+                    .account = account};
+    if (f.over)
+      load.over = over_joint(*f.over);
+    else
+      load.drive = add_force_over_time(f.size);
+    add(std::move(load));
   }
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
@@ -87,12 +107,11 @@ struct Placer {
       force.input = static_cast<int>(found - inputs.begin());
       return;
     }
-    force.drive = static_cast<int>(model.drives.size());
-    model.drives.emplace_back(f.size, scene::FunctionOf::force);
+    force.drive = add_force_over_time(f.size);
   }
   void operator()(const scene::Tyre& f) const {
     const scene::Joint& joint = at.scene.mbd->joints[f.joint.value];
-    TyreOnLink& tyre = model.tyres.emplace_back();
+    TyreOnLink tyre;
     tyre.name = f.name;
     tyre.account = account;
     tyre.centre = at.point(model, joint.child, joint.child_position.value_or(joint.position));
@@ -115,6 +134,8 @@ struct Placer {
     for (const char* way : {"along", "across"})
       model.state_names.push_back(std::string("deflection ") + way + " of the tread of tyre \"" + f.name +
                                   "\"");
+    place_road(at.scene, f, where, model, tyre);
+    add(std::move(tyre));
   }
   void operator()(const scene::Motor& f) const { place_element(f, account, inputs, model); }
   void operator()(const scene::Cylinder& f) const { place_element(at, f, account, inputs, model); }
@@ -187,6 +208,7 @@ void place_forces(const Placement& placement, Model& model) {
     std::visit(
         Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", placement.of_force[f], inputs},
         forces[f]);
+  std::ranges::stable_sort(model.forces, {}, [](const auto& force) { return force->order().forces; });
 }
 
 }  // namespace tandem::mbd
