@@ -327,7 +327,20 @@ Force parse_tyre(const Node& node, const Names& joints) {
   return tyre;
 }
 
+// A type that reads itself, from the I-th of all types on.
+template <std::size_t I = 0>
+std::optional<Force> parse_own(const Node& node, const Names& bodies, const Names& joints) {
+  if constexpr (I < std::variant_size_v<Force>) {
+    using Type = std::variant_alternative_t<I, Force>;
+    if constexpr (requires { Type::read(node, bodies, joints); })
+      if (node.type() == Type::type) return Type::read(node, bodies, joints);
+    return parse_own<I + 1>(node, bodies, joints);
+  }
+  return {};
+}
+
 Force parse_force(const Node& node, const Names& bodies, const Names& joints, const std::string& format) {
+  if (std::optional<Force> force = parse_own(node, bodies, joints)) return *force;
   if (node.type() == "bushing") return parse_bushing(node, bodies);
   if (node.type() == "force" || node.type() == "torque") return parse_load(node, bodies, joints, format);
   if (node.type() == "actuator") return parse_actuator(node, joints, format);

@@ -336,7 +336,13 @@ void validate_mbd(const Mbd& mbd, double window, double end_time, const std::str
   validate_couplers(mbd, origin);
   for (std::size_t i = 0; i < mbd.forces.size(); ++i)
     std::visit(
-        [&](const auto& force) { validate_force(force, mbd, end_time, origin, element("mbd.forces", i)); },
+        [&](const auto& force) {
+          const std::string path = element("mbd.forces", i);
+          if constexpr (requires { force.validate(mbd, origin, path); })
+            force.validate(mbd, origin, path);
+          else
+            validate_force(force, mbd, end_time, origin, path);
+        },
         mbd.forces[i]);
   if (mbd.integrator.method == IntegrationMethod::dormand_prince)
     for (std::size_t i = 0; i < mbd.forces.size(); ++i)

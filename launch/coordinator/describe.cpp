@@ -232,6 +232,10 @@ std::string describe_mbd(const SceneFile& file, const DryRun* started) {
               forces.add({f.name, f.input.empty() ? kind : kind + ", input " + f.input,
                           scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b), "",
                           fmt::format("{:.6g} N s/m", f.damping)});
+            },
+            [&](const auto& f) {
+              forces.add({f.name, f.type, scene.body_name(f.body_a) + " and " + scene.body_name(f.body_b), "",
+                          fmt::format("{:.6g} N s/m", f.damping)});
             }},
         force);
   }

@@ -8,6 +8,17 @@
 #include "mbd_server/setup/placement.hpp"
 
 namespace tandem::mbd {
+
+int add_first_order_state(Model& model, double start, double scale, const std::string& what) {
+  const Eigen::Index n = model.first_states.size();
+  model.first_states.conservativeResize(n + 1);
+  model.state_scale.conservativeResize(n + 1);
+  model.first_states[n] = start;
+  model.state_scale[n] = scale;
+  model.state_names.push_back(what);
+  return static_cast<int>(n);
+}
+
 namespace {
 
 int index_of(const std::string& input, const std::vector<std::string>& inputs) {
@@ -48,13 +59,8 @@ Drive controlled(const scene::Gains& gains, Drive::Of of) {
 }
 
 void add_state(Element& element, double start, double scale, const std::string& what, Model& model) {
-  const Eigen::Index n = model.first_states.size();
-  if (element.states++ == 0) element.state = static_cast<int>(n);
-  model.first_states.conservativeResize(n + 1);
-  model.state_scale.conservativeResize(n + 1);
-  model.first_states[n] = start;
-  model.state_scale[n] = scale;
-  model.state_names.push_back(what + " of " + element.name);
+  const int index = add_first_order_state(model, start, scale, what + " of " + element.name);
+  if (element.states++ == 0) element.state = index;
 }
 
 // The scale of an integral is that of its quantity in a second, that of a filtered error that of the

@@ -126,14 +126,9 @@ struct Placer {
     tyre.relaxation_y = f.lateral_relaxation_length.value_or(f.relaxation_length);
     tyre.rolling_resistance = f.rolling_resistance;
     tyre.patch = f.patch_length;
-    tyre.state = static_cast<int>(model.first_states.size());
-    model.first_states.conservativeResize(tyre.state + 2);
-    model.state_scale.conservativeResize(tyre.state + 2);
-    model.first_states.tail<2>().setZero();
-    model.state_scale.tail<2>() << tyre.relaxation_x, tyre.relaxation_y;
-    for (const char* way : {"along", "across"})
-      model.state_names.push_back(std::string("deflection ") + way + " of the tread of tyre \"" + f.name +
-                                  "\"");
+    const std::string tread = " of the tread of tyre \"" + f.name + "\"";
+    tyre.state = add_first_order_state(model, 0, tyre.relaxation_x, "deflection along" + tread);
+    add_first_order_state(model, 0, tyre.relaxation_y, "deflection across" + tread);
     place_road(at.scene, f, where, model, tyre);
     add(std::move(tyre));
   }

@@ -40,6 +40,8 @@ double largest_contact_shape(const scene::Scene& scene, const std::vector<NamedM
 // scene.
 void place_road(const scene::Scene& scene, const scene::Tyre& from, const std::string& path,
                 const Model& model, TyreOnLink& tyre);
+// Adds a state of first order; `what`: its name in messages. Returns its index.
+int add_first_order_state(Model& model, double start, double scale, const std::string& what);
 void add_stiction(Model& model);
 // `inputs`: names of the control inputs.
 void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,
