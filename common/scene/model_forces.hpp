@@ -196,7 +196,31 @@ struct Tyre {
   std::vector<std::string> road{};                    // shapes of the ground; empty: the plane
   Vec3d road_point, road_normal{0, 0, 1};             // world [m], unit
 };
+
+// A spring of gas between two points, which it pushes apart with (p - ambient_pressure) piston_area. The gas
+// obeys p (V / m)^exponent = const, with the volume V = volume + piston_area stroke and the mass m, of which
+// `leakage` lets some out. The stroke is the distance of the points less that at the start. Pressures are
+// absolute.
+struct GasSpring {
+  static constexpr const char* type = "gas_spring";
+  std::string name;
+  BodyId body_a, body_b;
+  Vec3d point_a, point_b;            // world [m]
+  double piston_area = 0;            // [m2]
+  double pressure = 0, volume = 0;   // at the start [Pa], [m3]
+  double exponent = 1.4;             // 1: isothermal, 1.4: adiabatic air
+  double ambient_pressure = 101325;  // [Pa]
+  double leakage = 0;                // gas of the start's density, per pressure difference [m3/(s Pa)]
+  double damping = 0;                // [N s/m]
+  std::optional<Limits> limits{};    // end stops, as strokes
+
+  static GasSpring read(const Node& node, const Names& bodies, const Names& joints);
+  void validate(const Mbd& mbd, const std::string& origin, const std::string& path) const;
+  std::vector<Channel> channels() const;
+  std::vector<std::string> figures() const;
+};
+
 using Force = std::variant<SpringDamper, RotationalSpringDamper, Bushing, BodyLoad, Actuator, Rope, Motor,
-                           Cylinder, Tyre>;
+                           Cylinder, Tyre, GasSpring>;
 
 }  // namespace tandem::scene

@@ -4,6 +4,7 @@
 #include "common/scene/columns.hpp"
 #include "mbd_server/forces/body_load.hpp"
 #include "mbd_server/forces/bushing.hpp"
+#include "mbd_server/forces/gas_spring.hpp"
 #include "mbd_server/forces/joint_force.hpp"
 #include "mbd_server/forces/rope.hpp"
 #include "mbd_server/forces/spring_damper.hpp"
@@ -131,6 +132,23 @@ struct Placer {
     add_first_order_state(model, 0, tyre.relaxation_y, "deflection across" + tread);
     place_road(at.scene, f, where, model, tyre);
     add(std::move(tyre));
+  }
+  void operator()(const scene::GasSpring& f) const {
+    GasSpring gas;
+    gas.area = f.piston_area, gas.volume = f.volume, gas.exponent = f.exponent;
+    gas.pressure = f.pressure, gas.ambient = f.ambient_pressure, gas.leakage = f.leakage;
+    Element element;
+    element.name = "gas spring \"" + f.name + "\"";
+    element.account = account;
+    element.a = at.point(model, f.body_a, f.point_a), element.b = at.point(model, f.body_b, f.point_b);
+    element.length = norm(f.point_b - f.point_a);
+    element.damping = f.damping, element.ends = f.limits;
+    if (f.leakage > 0) {
+      element.state = add_first_order_state(model, 1, 1, "share of gas in " + element.name);
+      element.states = 1;
+    }
+    element.law = std::make_shared<GasSpring>(gas);
+    add(std::move(element));
   }
   void operator()(const scene::Motor& f) const { place_element(f, account, inputs, model); }
   void operator()(const scene::Cylinder& f) const { place_element(at, f, account, inputs, model); }
