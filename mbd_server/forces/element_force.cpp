@@ -30,11 +30,11 @@ Passive passive(const Element& e, const Model& model, const State& at, double s,
   }
   if (!e.ends) return p;
   const auto [d, direction] = depth(*e.ends, s);
-  const double k = e.ends->stiffness, grip = 1 + e.ends->damping * direction * v;
+  const double k = e.ends->stiffness, damping_factor = 1 + e.ends->damping * direction * v;
   if (!(d > 0)) return p;
-  const double pushed = grip > 0 ? k * d * grip : 0;
+  const double pushed = damping_factor > 0 ? k * d * damping_factor : 0;
   p.force -= direction * pushed, p.lost += (pushed - k * d) * direction * v;
-  if (grip > 0) p.d_s -= k * grip, p.d_v -= k * d * e.ends->damping;
+  if (damping_factor > 0) p.d_s -= k * damping_factor, p.d_v -= k * d * e.ends->damping;
   return p;
 }
 

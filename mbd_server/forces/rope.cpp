@@ -56,9 +56,9 @@ void evaluate(const RopeOnLinks& rope, const std::vector<LinkMotion>& links, Rop
   f.tension = tension(rope, f.elongation, f.rate);
   f.per_elongation = f.per_rate = 0;
   if (f.is_slack()) return;
-  const double grip = 1 + rope.damping * f.rate;
-  if (!(grip > 0)) return;
-  f.per_elongation = rope.stiffness * grip;
+  const double damping_factor = 1 + rope.damping * f.rate;
+  if (!(damping_factor > 0)) return;
+  f.per_elongation = rope.stiffness * damping_factor;
   f.per_rate = rope.stiffness * f.elongation * rope.damping;
 }
 

@@ -58,35 +58,35 @@ const std::vector<JointObservation>& JointObserver::observe(const State& state,
 
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const SceneJoint& joint = model_.joints[j];
-    JointObservation& seen = joints_[j];
+    JointObservation& observed = joints_[j];
     if (joint.type == scene::JointType::free) continue;
     const Vector3d p = links[joint.link].point(joint.p_LJ);
     Vector6d F = joint.closure != none ? wrench(model_.closures[joint.closure], state, links)
                  : joint.reversed      ? Vector6d(-carried_[joint.parent])
                                        : carried_[joint.child];
-    seen.reaction = {to_vec3(F.tail<3>()), to_vec3(F.head<3>() - p.cross(F.tail<3>()))};
+    observed.reaction = {to_vec3(F.tail<3>()), to_vec3(F.head<3>() - p.cross(F.tail<3>()))};
     if (joint.coordinate_link != none) {
-      seen.q = links[joint.coordinate_link].coordinate.value;
-      seen.rate = links[joint.coordinate_link].coordinate.rate;
+      observed.q = links[joint.coordinate_link].coordinate.value;
+      observed.rate = links[joint.coordinate_link].coordinate.rate;
     } else if (joint.closure != none) {
-      observe_cut(joint, links, seen);
+      observe_cut(joint, links, observed);
     }
   }
   return joints_;
 }
 
 void JointObserver::observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links,
-                                JointObservation& seen) const {
+                                JointObservation& observed) const {
   const Closure& c = model_.closures[joint.closure];
   const LinkMotion &a = links[c.a], &b = links[c.b];
   const Vector6d V = b.V - a.V;
   const Vector3d n = a.R_WL * c.axis;
   if (joint.type == scene::JointType::prismatic) {
-    seen.q = travel(c, links);
-    seen.rate = n.dot(at_point(V, b.point(c.p_b)));
+    observed.q = travel(c, links);
+    observed.rate = n.dot(at_point(V, b.point(c.p_b)));
   } else if (joint.type == scene::JointType::revolute || joint.type == scene::JointType::screw) {
-    seen.q = angle(c, links);
-    seen.rate = n.dot(V.head<3>());
+    observed.q = angle(c, links);
+    observed.rate = n.dot(V.head<3>());
   }
 }
 
@@ -199,10 +199,10 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const BodyOnLink& body = model.bodies[b];
     const LinkMotion& link = links[body.link];
-    const BodyMotionState seen = observe_body(model, links, static_cast<int>(b));
+    const BodyMotionState observed = observe_body(model, links, static_cast<int>(b));
     const Matrix3d J = link.R_WL * body.inertia * link.R_WL.transpose();
     const Vector3d w = link.V.head<3>();
-    sum += body.mass * (model.gravity.norm() + norm(seen.a));
+    sum += body.mass * (model.gravity.norm() + norm(observed.a));
     torques += (J * link.A.head<3>() + w.cross(J * w)).norm();
   }
   for (Eigen::Index k = 0; k < std::ssize(model.boundary); ++k) {

@@ -38,7 +38,7 @@ class JointObserver {
   void apply(int body, const Vector6d& wrench);
   void apply_forces(const State& state, const std::vector<LinkMotion>& links);
   void observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links,
-                   JointObservation& seen) const;
+                   JointObservation& observed) const;
   static Vector6d wrench(const Closure& closure, const State& state, const std::vector<LinkMotion>& links);
 
   const Model& model_;
