@@ -12,11 +12,13 @@
 #include "protocol/codec.hpp"
 #include "protocol/frame.hpp"
 #include "protocol/progress.hpp"
-#include "protocol/remote.hpp"
+#include "protocol/run_identity.hpp"
 #include "protocol/session.hpp"
 #include "protocol/violation.hpp"
 
 namespace tandem::protocol {
+
+class FrameSink;  // recorder.hpp
 
 class Link {
  public:

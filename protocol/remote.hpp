@@ -13,16 +13,11 @@
 
 #include "protocol/channel.hpp"
 #include "protocol/messages.hpp"
+#include "protocol/run_identity.hpp"
 
 namespace tandem::protocol {
 
 class FrameSink;  // recorder.hpp
-
-struct RunIdentity {
-  std::uint64_t run_id = 0;
-  // Counts the starts of one run, so that a server of an earlier start is refused.
-  std::uint32_t generation = 0;
-};
 
 // A frame of particles as it came. Its memory is kept from frame to frame.
 class ReceivedParticles {

@@ -28,6 +28,9 @@ MassProperties mass_of_cone(double radius, double top_radius, double height, dou
 // mesh far from the origin loses no digits. The winding may be either way.
 MassProperties mass_of_mesh(const TriangleMesh& mesh, double density);
 
+// Volume of a closed mesh; negative where it winds inwards [m3].
+double signed_volume(const TriangleMesh& mesh);
+
 // Why a mesh encloses no volume of its own, in a sentence that names the place; empty where it does. Each
 // edge has to belong to as many triangles of one direction as of the other, and closed parts inside other
 // parts have to be wound the other way (cavities).

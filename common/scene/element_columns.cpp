@@ -75,13 +75,8 @@ const char* kind_of(CouplerType type) {
 
 const char* kind_of(const Force& force) {
   return std::visit(
-      Overloaded{[](const SpringDamper&) { return "spring_damper"; },
-                 [](const RotationalSpringDamper&) { return "rotational_spring_damper"; },
-                 [](const Bushing&) { return "bushing"; },
-                 [](const BodyLoad& f) { return f.kind == BodyLoad::Kind::force ? "force" : "torque"; },
-                 [](const Actuator&) { return "actuator"; }, [](const Rope&) { return "rope"; },
-                 [](const Motor&) { return "motor"; }, [](const Cylinder&) { return "cylinder"; },
-                 [](const Tyre&) { return "tyre"; }},
+      Overloaded{[](const BodyLoad& f) { return f.kind == BodyLoad::Kind::force ? "force" : "torque"; },
+                 [](const auto& f) { return f.type; }},
       force);
 }
 
@@ -165,7 +160,10 @@ void add_columns(const Force& force, const Mbd& mbd, Columns& columns) {
                    columns.add_losses(true);
                  },
                  [&](const Motor& f) { add_columns(f, columns); },
-                 [&](const Cylinder& f) { add_columns(f, columns); }},
+                 [&](const Cylinder& f) { add_columns(f, columns); },
+                 [&](const auto& f) {
+                   for (const Channel channel : f.channels()) columns.add({channel});
+                 }},
       force);
 }
 

@@ -3,7 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/scene/parameters.hpp"
+#include <string>
+#include <vector>
+
+#include "common/scene/parameter.hpp"
 
 namespace tandem::scene {
 

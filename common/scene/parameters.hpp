@@ -6,13 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace tandem::scene {
+#include "common/scene/parameter.hpp"
 
-struct Parameter {
-  std::string name;
-  double value = 0;  // in `unit`
-  std::string unit;  // "deg", "rad", or one of SI; empty: not said
-};
+namespace tandem::scene {
 
 // Replaces "parameters" and all expressions, strings that begin with '=', in a scene. set: values that
 // replace those of parameters, in their units. Returns the parameters in the order of their names; text

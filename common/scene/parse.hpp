@@ -9,14 +9,12 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
+#include "common/scene/schema.hpp"
 
 namespace tandem::scene {
 
 // `origin` names the text in errors: the file's path.
 Scene parse(const std::string& text, const std::string& origin);
-
-// The published schema (draft 7), compiled into the programs.
-const std::string& schema();
 
 // Checks of a parsed scene that need no file: inertia is possible for a real body, pairs are complete, walls
 // do not overlap, the domain contains the fills, the window is a whole number of nanoseconds, the micro step

@@ -56,6 +56,7 @@ void read_server(const Node& node, Part& part) {
 
 // A function of time, and the machine elements among the forces.
 Motion parse_motion(const Node& node, const std::string& format);
+Force parse_force(const Node& node, const Names& bodies, const Names& joints, const std::string& format);
 Force parse_motor(const Node& node, const Names& joints, const std::string& format);
 Force parse_cylinder(const Node& node, const Names& bodies, const std::string& format);
 std::optional<ForceTable> parse_table(const Node& node, const char* key);

@@ -13,7 +13,7 @@
 
 #include "common/scene/fault.hpp"
 #include "common/scene/nearest_name.hpp"
-#include "common/scene/parse.hpp"
+#include "common/scene/schema.hpp"
 #include "common/utf8.hpp"
 
 namespace tandem::scene {

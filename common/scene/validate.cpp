@@ -39,7 +39,7 @@ void validate_times(const Scene& scene, const std::string& origin) {
     const std::int64_t length = to_nanoseconds(window).count, count = to_nanoseconds(time).count;
     if (is_whole(time * 1e9) && count % length == 0 && (count > 0 || time == 0)) return;
     const double whole = static_cast<double>(std::max<std::int64_t>(1, (count + length / 2) / length));
-    fail(origin, path, text(time) + " s is no whole number of windows of " + text(window) + " s",
+    fail(origin, path, text(time) + " s is not a whole multiple of the window of " + text(window) + " s",
          "the nearest is " + text(to_seconds(Nanoseconds{static_cast<std::int64_t>(whole) * length})) + " s");
   };
   require_windows(scene.end_time, "end_time");

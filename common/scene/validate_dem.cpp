@@ -126,7 +126,7 @@ void validate_outlets(const Dem& dem, const std::string& origin) {
     const Outlet& outlet = dem.outlets[i];
     require_region(outlet, origin, path);
     if (!overlap(dem.domain, outlet).some)
-      fail(origin, path, "no place of dem.domain is in it, so that no sphere goes out",
+      fail(origin, path, "it does not intersect dem.domain, so that no sphere can leave through it",
            "move it into the domain; what leaves that counts as lost");
     for (std::size_t k = 0; k < dem.particles.size(); ++k) {
       const auto* inlet = std::get_if<InletFill>(&dem.particles[k].fill);

@@ -27,6 +27,11 @@ void validate_arguments(const ForceTable& table, const std::string& origin, cons
 enum class AngleUnit { radians, degrees };
 void validate_curve_arguments(const std::vector<double>& arguments, const std::optional<double>& period,
                               AngleUnit unit, const std::string& origin, const std::string& path);
+// A function of a joint coordinate through points.
+void validate_curve(const std::vector<double>& arguments, const std::vector<double>& values,
+                    const std::optional<double>& period, bool closes, const std::string& origin,
+                    const std::string& path);
+void validate_forces(const Mbd& mbd, double end_time, const std::string& origin);
 void validate_dem(const Dem& dem, double window, const std::string& origin);
 
 // Refuses a joint that is not revolute, at `path`. `hint`: what it is for.

@@ -5,6 +5,7 @@
 #include <set>
 #include <variant>
 
+#include "common/scene/force_parts.hpp"
 #include "launch/coordinator/motion_watch.hpp"
 
 namespace tandem::launch {
@@ -23,26 +24,9 @@ struct Driven {
 };
 Driven driven_by_forces(const scene::Mbd& mbd) {
   Driven driven;
-  const auto take_two = [&](const auto& force) {
-    driven.bodies.insert({force.body_a.value, force.body_b.value});
-  };
-  for (const scene::Force& force : mbd.forces) {
-    if (const auto* spring = std::get_if<scene::SpringDamper>(&force)) take_two(*spring);
-    if (const auto* bushing = std::get_if<scene::Bushing>(&force)) take_two(*bushing);
-    if (const auto* load = std::get_if<scene::BodyLoad>(&force)) driven.bodies.insert(load->body.value);
-    if (const auto* rope = std::get_if<scene::Rope>(&force)) {
-      for (const scene::RopePoint& point : rope->points) driven.bodies.insert(point.body.value);
-      if (rope->drum) driven.joints.insert(rope->drum->value);
-    }
-    if (const auto* spring = std::get_if<scene::RotationalSpringDamper>(&force))
-      driven.joints.insert(spring->joint.value);
-    if (const auto* cylinder = std::get_if<scene::Cylinder>(&force)) take_two(*cylinder);
-    if (const auto* motor = std::get_if<scene::Motor>(&force)) driven.joints.insert(motor->joint.value);
-    if (const auto* tyre = std::get_if<scene::Tyre>(&force))
-      driven.bodies.insert(mbd.joints[tyre->joint.value].child.value);
-    if (const auto* actuator = std::get_if<scene::Actuator>(&force))
-      driven.joints.insert(actuator->joint.value);
-  }
+  const scene::AttachedTo attached = scene::attached_to(mbd);
+  for (const BodyId body : attached.bodies) driven.bodies.insert(body.value);
+  for (const JointId joint : attached.joints) driven.joints.insert(joint.value);
   for (const scene::Coupler& coupler : mbd.couplers) {
     if (coupler.terms.empty()) driven.joints.insert({coupler.joint_a.value, coupler.joint_b.value});
     for (const scene::CoupledJoint& term : coupler.terms) driven.joints.insert(term.joint.value);

@@ -133,7 +133,12 @@ Parts figures(const Force& force, const Mbd& mbd) {
                                },
                                [&](const Tyre& f) { return figures(f, mbd); },
                                [](const Bushing&) { return Parts{"unloaded at the start"}; },
-                               [](const auto& f) { return figures(f); }},
+                               [](const auto& f) {
+                                 if constexpr (requires { f.figures(); })
+                                   return f.figures();
+                                 else
+                                   return figures(f);
+                               }},
                     force);
 }
 

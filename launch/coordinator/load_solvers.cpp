@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "launch/coordinator/schemes.hpp"
+#include "launch/coordinator/exchange.hpp"
 
 namespace tandem::launch {
 namespace {

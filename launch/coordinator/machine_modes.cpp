@@ -7,6 +7,9 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "mbd_server/forces/element_force.hpp"
+#include "mbd_server/forces/hydraulics.hpp"
+#include "mbd_server/forces/tyre.hpp"
 #include "mbd_server/setup/build.hpp"
 #include "mbd_server/solve/assembly.hpp"
 #include "mbd_server/solve/equilibrium.hpp"
@@ -122,7 +125,7 @@ std::string machine_modes(const SceneFile& file, bool as_given) {
   if (scene.contact)
     throw Error(ErrorCode::scene, "modes know no contacts between bodies", "mbd.contact",
                 "leave it out, and give bushings or springs where bodies rest on each other");
-  if (!model.tyres.empty())
+  if (!mbd::forces_of<mbd::TyreOnLink>(model).empty())
     throw Error(ErrorCode::scene, "modes know no tyres", "mbd.forces",
                 "leave them out, and give bushings or springs where the wheels stand on the road");
   mbd::State state = mbd::initial_state(model, scene);
@@ -144,14 +147,14 @@ std::string machine_modes(const SceneFile& file, bool as_given) {
                           found.state_change, found.changed_state);
   }
   text += stiction_left_out(scene);
-  for (const mbd::Element& e : model.elements)
-    if (const auto* oil = std::get_if<mbd::Hydraulics>(&e.law)) {
-      const double lowest = std::min(state.z[e.state], state.z[e.state + 1]);
+  for (const mbd::Element* e : mbd::forces_of<mbd::Element>(model))
+    if (const auto* oil = e->law_as<mbd::Hydraulics>()) {
+      const double lowest = std::min(state.z[e->state], state.z[e->state + 1]);
       if (lowest < oil->cavitation)
         text += fmt::format(
             "{} cavitates there: its oil would have a pressure of {:.3g} Pa; give it more pressure_a and "
             "pressure_b\n",
-            e.name, lowest);
+            e->name, lowest);
     }
   const mbd::Modes found = mbd::find_modes(model, system, state);
   if (found.neutral > 0)

@@ -218,7 +218,7 @@ ParticleWatch::Sums ParticleWatch::count_false_and_sum(const ParticlesFrame& fra
   const std::uint64_t least = open_ ? 0 : most;
   const std::uint64_t nearest = std::clamp(count, least, most);
   take(0, std::max(count, nearest) - std::min(count, nearest), [&] {
-    return fmt::format("it has {} spheres, and {}{} are left of those of the scene", count,
+    return fmt::format("it has {} spheres, and {}{} of the scene's spheres remain", count,
                        open_ ? "at most " : "", most);
   });
 

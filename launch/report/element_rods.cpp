@@ -29,10 +29,6 @@ struct Rods {
     if (norm(b - a) > 1e-9 * size) rods.push_back({of, a, b, radius});
   }
 
-  void operator()(const scene::SpringDamper& spring) {
-    const auto a = now(spring.body_a, spring.point_a), b = now(spring.body_b, spring.point_b);
-    if (a && b) add(Rod::Of::spring, *a, *b, 2e-3 * size);
-  }
   void operator()(const scene::Rope& rope) {
     for (std::size_t k = 1; k < rope.points.size(); ++k) {
       const auto a = now(rope.points[k - 1].body, rope.points[k - 1].point),
@@ -51,7 +47,12 @@ struct Rods {
     add(Rod::Of::piston_rod, *a, *b, 0.5 * radius);
   }
   template <class Other>
-  void operator()(const Other&) {}
+  void operator()(const Other& other) {
+    if constexpr (requires { other.point_a; }) {
+      const auto a = now(other.body_a, other.point_a), b = now(other.body_b, other.point_b);
+      if (a && b) add(Rod::Of::spring, *a, *b, 2e-3 * size);
+    }
+  }
 };
 
 }  // namespace

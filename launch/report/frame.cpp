@@ -37,7 +37,7 @@ std::vector<std::string> groups_of(const std::filesystem::path& path) {
       "the file, or that of the frame in the folder frames, is damaged, or was not written by this run");
 }
 
-// A picture with a number that is none would be drawn by chance.
+// Refuses values that are not finite: the renderer would draw something arbitrary.
 std::vector<double> read_finite(const Hdf5File& file, const std::string& dataset) {
   std::vector<double> numbers = file.read_doubles(dataset);
   for (const double number : numbers)

@@ -16,7 +16,8 @@ namespace {
 constexpr double time_tolerance = 0.5e-9;  // [s]
 
 const std::vector<std::string>& words() {
-  static const std::vector<std::string> all{"last", "mean", "min", "max", "range", "period"};
+  static const std::vector<std::string> all{"last", "mean", "rms",   "mean_abs",
+                                            "min",  "max",  "range", "period"};
   return all;
 }
 
@@ -41,7 +42,7 @@ void Reduction::add(double time, double value) {
       if (crossings_++ == 0) first_crossing_ = last_crossing_;
     }
   } else {
-    integral_ += 0.5 * (last_value_ + value) * (time - last_time_);
+    integral_ += 0.5 * (integrand(last_value_) + integrand(value)) * (time - last_time_);
     // A NaN is kept: no later value is smaller or larger.
     if (value < least_ || std::isnan(value)) least_ = value;
     if (value > largest_ || std::isnan(value)) largest_ = value;
@@ -57,8 +58,14 @@ void Reduction::end_of_pass() {
   rows_ = 0;
 }
 
+// What is averaged over time.
+double Reduction::integrand(double value) const {
+  if (how_ == "rms") return value * value;
+  return how_ == "mean_abs" ? std::abs(value) : value;
+}
+
 double Reduction::mean() const {
-  return rows_ == 1 ? last_value_ : integral_ / (last_time_ - first_time_);
+  return rows_ == 1 ? integrand(last_value_) : integral_ / (last_time_ - first_time_);
 }
 
 double Reduction::value() const {
@@ -72,7 +79,8 @@ double Reduction::value() const {
     throw Error(ErrorCode::scene, range.str());
   }
   if (how_ == "last") return last_value_;
-  if (how_ == "mean") return mean();
+  if (how_ == "mean" || how_ == "mean_abs") return mean();
+  if (how_ == "rms") return std::sqrt(mean());
   if (how_ == "min") return least_;
   if (how_ == "max") return largest_;
   if (how_ == "range") return largest_ - least_;

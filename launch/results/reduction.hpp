@@ -9,8 +9,8 @@ namespace tandem::launch {
 
 class Reduction {
  public:
-  // `how`: last, mean, min, max, range or period, as `reduce` of scene::Check; throws Error{scene} for
-  // another word. The part from `from` to `to` [s]; `to` <= 0 means the end.
+  // `how`: last, mean, rms, mean_abs, min, max, range or period, as `reduce` of scene::Check; throws
+  // Error{scene} for another word. The part from `from` to `to` [s]; `to` <= 0 means the end.
   Reduction(std::string how, double from, double to);
 
   void add(double time, double value);
@@ -21,6 +21,7 @@ class Reduction {
   double value() const;
 
  private:
+  double integrand(double value) const;
   double mean() const;
 
   std::string how_;

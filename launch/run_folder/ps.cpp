@@ -66,7 +66,7 @@ RegisteredRun find(const std::string& run) {
   }
   if (goes_on(one.state))
     throw Error(ErrorCode::usage, fmt::format("runs on {}", one.state.marker->host), run, "stop it there");
-  throw Error(ErrorCode::usage, "is no run in progress here", run,
+  throw Error(ErrorCode::usage, "no such run is in progress on this host", run,
               "give the pid or the folder of a run; tandem ps lists them");
 }
 

@@ -167,8 +167,9 @@ WallWatch::WallWatch(const scene::Scene& scene, const std::vector<NamedMesh>& me
   }
   if (!bare.empty())
     not_judged_.push_back(
-        fmt::format("whether bodies pass through others: no shape is known of {} without walls ({})",
-                    bare.size() == 1 ? "1 body" : fmt::format("{} bodies", bare.size()), quoted(bare)));
+        fmt::format("whether bodies pass through others: {} without walls ({}) {} no known shape",
+                    bare.size() == 1 ? "1 body" : fmt::format("{} bodies", bare.size()), quoted(bare),
+                    bare.size() == 1 ? "has" : "have"));
   if (walls_.empty() || bare.size() == scene.mbd->bodies.size()) return;
   group_ = weld(*scene.mbd);
   const std::vector<const scene::Wall*> walls = walls_to_judge(meshes);

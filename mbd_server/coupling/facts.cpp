@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mbd_server/forces/spring_damper.hpp"
 #include "protocol/facts.hpp"
 
 namespace tandem::mbd {
@@ -23,7 +24,7 @@ std::vector<std::string> left_out(const Model& model) {
     list.push_back("no gyroscopic or centrifugal forces on the joints: their derivatives left out");
   if (!model.damped) list.push_back("no dampers: no damping terms");
   if (!model.driven) list.push_back("no prescribed motion");
-  if (model.springs.empty()) list.push_back("no springs between points");
+  if (forces_of<Spring>(model).empty()) list.push_back("no springs between points");
   if (model.contact.impacts_within_steps) list.push_back("no steps that end where contacts begin and end");
   if (model.contact.time_stepping)
     list.push_back("no impacts of bodies: time stepping, one convex minimum for each step of fixed length");

@@ -8,6 +8,7 @@
 #include "mbd_server/coupling/error_estimate.hpp"
 #include "mbd_server/coupling/load_journal.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
+#include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/io/element_observer.hpp"
 #include "mbd_server/io/energy_balance.hpp"
 #include "mbd_server/io/observation.hpp"
@@ -74,6 +75,7 @@ class MbdSolver final : public protocol::MotionSolver {
     EnergyBalance balance;
     ElementObserver elements;
     TyreBottoming bottoming;
+    std::vector<const Element*> machine_elements;  // motors and cylinders
     std::vector<std::string> joint_names;
     Integrator& integrator();
     ControlledMethod& controlled();  // whose steps an error control judges

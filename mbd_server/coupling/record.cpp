@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbd_server/forces/hydraulics.hpp"
+
 namespace tandem::mbd {
 
 void MbdSolver::record_begin_motion() {
@@ -128,9 +130,9 @@ void MbdSolver::record_jump(double energy) {
 void MbdSolver::record_cavitation(double h) {
   double lowest = 0;
   bool below = false;
-  for (std::size_t i = 0; i < machine_->model.elements.size(); ++i) {
-    const Element& e = machine_->model.elements[i];
-    const auto* oil = std::get_if<Hydraulics>(&e.law);
+  for (std::size_t i = 0; i < machine_->machine_elements.size(); ++i) {
+    const Element& e = *machine_->machine_elements[i];
+    const auto* oil = e.law_as<Hydraulics>();
     if (!oil) continue;
     const double pressure = std::min(state_.z[e.state], state_.z[e.state + 1]);
     if (pressure >= oil->cavitation) continue;

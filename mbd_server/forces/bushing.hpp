@@ -1,9 +1,17 @@
 // A bushing between two links, and its derivatives.
 #pragma once
 
-#include "mbd_server/kinematics/kinematics.hpp"
+#include "mbd_server/forces/force_element.hpp"
 
 namespace tandem::mbd {
+
+// See scene::Bushing; the frames coincide with the world's axes at zero coordinates.
+struct BushingOnLinks {
+  std::string name;
+  PointOnBody a, b;
+  Matrix6d stiffness, damping;
+  int account = none;
+};
 
 struct BushingForce {
   Vector3d p;     // point of application: point b [m]
@@ -15,5 +23,7 @@ struct BushingForce {
 };
 // Throws Error{numerics} at a relative rotation by pi, whose rotation vector is not unique.
 BushingForce evaluate(const BushingOnLinks& bushing, const std::vector<LinkMotion>& links);
+
+std::shared_ptr<const ForceElement> make_force(BushingOnLinks bushing);
 
 }  // namespace tandem::mbd

@@ -1,7 +1,11 @@
 #include "mbd_server/forces/drive.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "common/error.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -79,42 +83,60 @@ ElementValue evaluate(const Drive& drive, SignalValue target, double s, double v
   return out;
 }
 
-bool can_rest(const Drive& drive, SignalValue target) {
-  return drive.of != Drive::Of::rate || !drive.has_integral() || target.value == 0 ||
-         std::isfinite(limit(drive, 0).value);
+ElementValue Drive::evaluate(const LawInput& in, double s, double v) const {
+  return mbd::evaluate(*this, in.signal, s, v, in.known, in.weight);
 }
 
-StatesOfElement kept_at_rest(const Drive& drive, double s, const StatesOfElement& z) {
+ElementPower Drive::power(const LawInput& in, ElementArgument x, const StatesOfElement& z) const {
+  return {.work = mbd::evaluate(*this, in.signal, x.s, x.v, z, 0).force * x.v};
+}
+
+void Drive::expect_rest(const LawInput& in) const {
+  const double target = in.signal.value;
+  if (of != Of::rate || !has_integral() || target == 0 || std::isfinite(mbd::limit(*this, 0).value)) return;
+  throw Error(ErrorCode::scene,
+              fmt::format("the integral of {} grows without end in an equilibrium: its target at the "
+                          "start is {:.6g} rad/s, and the machine is at rest",
+                          in.name, target),
+              "mbd.start",
+              "let the target begin at 0, limit the torque (max_torque), leave out the integral, or "
+              "leave out mbd.start = \"equilibrium\"");
+}
+
+StatesOfElement Drive::kept_at_rest(double s, const StatesOfElement& z) const {
   StatesOfElement kept = z;
-  if (drive.of == Drive::Of::rate && drive.has_integral()) kept[0] += s;
+  if (of == Of::rate && has_integral()) kept[0] += s;
   return kept;
 }
 
 // A filtered error is the error, so that its rate has no part in the force.
-ElementValue at_rest(const Drive& drive, SignalValue target, double s, const StatesOfElement& kept,
-                     double weight) {
-  Drive still = drive;
-  if (drive.has_filter()) still.derivative = 0;
-  const bool of_rate = drive.of == Drive::Of::rate;
+ElementValue Drive::at_rest(const LawInput& in, double s) const {
+  const SignalValue target = in.signal;
+  const StatesOfElement& kept = in.known;
+  Drive still = *this;
+  if (has_filter()) still.derivative = 0;
+  const bool of_rate = of == Of::rate;
   const double error = target.value - (of_rate ? 0 : s);
   ElementValue out;
-  if (!of_rate || !drive.has_integral()) {
-    out = evaluate(still, target, s, 0, kept, weight);
+  if (!of_rate || !has_integral()) {
+    out = mbd::evaluate(still, target, s, 0, kept, in.weight);
   } else {
     // z' = error - (asked - force) / (integral * anti_windup) = 0
-    const double most = limit(drive, 0).value, direct = drive.proportional * error;
-    const double held = drive.integral * (kept[0] - s);
+    const double most = mbd::limit(*this, 0).value, direct = proportional * error;
+    const double held = integral * (kept[0] - s);
     const bool limited = error != 0 || std::abs(held) > most;
     out.force = !limited ? held : std::copysign(most, error != 0 ? error : held);
-    out.d_s = limited ? 0 : -drive.integral;
-    out.z[0] = (out.force - direct) / drive.integral + (error != 0 ? error * drive.anti_windup : 0);
+    out.d_s = limited ? 0 : -integral;
+    out.z[0] = (out.force - direct) / integral + (error != 0 ? error * anti_windup : 0);
   }
-  if (drive.has_filter()) out.z[drive.has_integral() ? 1 : 0] = error;
+  if (has_filter()) out.z[has_integral() ? 1 : 0] = error;
   return out;
 }
 
-ElementDerivatives derivatives(const Drive& drive, SignalValue target, double s, double v,
-                               const StatesOfElement& z) {
+ElementDerivatives Drive::derivatives(const LawInput& in, double s, double v,
+                                      const StatesOfElement& z) const {
+  const Drive& drive = *this;
+  const SignalValue target = in.signal;
   ElementDerivatives d;
   if (drive.of == Drive::Of::force) return d;
   const bool of_position = drive.of == Drive::Of::position;
@@ -134,7 +156,7 @@ ElementDerivatives derivatives(const Drive& drive, SignalValue target, double s,
     per_rate = -drive.derivative;
   }
   if (drive.has_integral()) asked += drive.integral * z[0], per_state[0] = drive.integral;
-  const Term most = limit(drive, v);
+  const Term most = mbd::limit(drive, v);
   const bool limited = std::abs(asked) > most.value;
   if (!limited) d.f_z = per_state;
   if (!drive.has_integral()) return d;

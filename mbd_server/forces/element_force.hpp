@@ -14,65 +14,55 @@
 //                      last value, and z = z_known + z_weight g as within a step
 #pragma once
 
-#include "mbd_server/forces/spring_damper.hpp"
-#include "mbd_server/model/model.hpp"
-#include "mbd_server/state/state.hpp"
+#include <optional>
+
+#include "mbd_server/forces/element_law.hpp"
+#include "mbd_server/forces/force_element.hpp"
 
 namespace tandem::mbd {
 
-// At most two states; unused ones are zero.
-using StatesOfElement = Eigen::Vector2d;
+// Motor on a joint coordinate, or cylinder between two points.
+struct Element {
+  std::string name;       // motor "x", cylinder "y"
+  LinkIndex link = none;  // of a motor: the link whose coordinate it drives; none: a cylinder
+  PointOnBody a, b;       // of a cylinder
+  double length = 0;      // of a cylinder at stroke 0 [m]
+  Signal signal;          // target, throttle, force or opening of the valve
+  std::shared_ptr<const ElementLaw> law;
+  double rotor = 0;    // inertia of a motor's rotor, as felt by the coordinate [kg m2]
+  double damping = 0;  // [N s/m]
+  std::optional<scene::Friction> friction;
+  Signal brake;  // share of the friction that acts; without a signal all of it
+  std::optional<scene::Limits> ends;
+  int state = 0, states = 0;  // first of its states, and how many
+  int account = none;         // see Model::accounts
 
-struct ElementValue {
-  double force = 0;         // on the coordinate, or extending the cylinder [N m] or [N]
-  double passive = 0;       // part of it: damping, friction, brake and ends
-  double d_s = 0, d_v = 0;  // its derivatives
-  StatesOfElement z = StatesOfElement::Zero(), zdot = StatesOfElement::Zero();
+  bool is_cylinder() const { return link == none; }
+  // Its law where it is of that kind, else null.
+  template <class Law>
+  const Law* law_as() const {
+    return dynamic_cast<const Law*>(law.get());
+  }
 };
+
+std::shared_ptr<const ForceElement> make_force(Element element);
+
 ElementValue evaluate(const Element& element, const Model& model, const State& state, double s, double v);
-// What the states of an element keep while the machine comes to rest, for State::z_known.
-StatesOfElement kept_at_rest(const Element& element, double s, const StatesOfElement& z);
-// Whether a state is a multiplier at rest, see above.
-bool has_multiplier_at_rest(const Element& element);
-
-// Derivatives of the force and of the rates of the states, f(t, s, v, z) and g(t, s, v, z). Those of the
-// force at constant states are ElementValue::d_s and d_v with z_weight 0.
-struct ElementDerivatives {
-  Eigen::RowVector2d f_z = Eigen::RowVector2d::Zero();
-  StatesOfElement g_s = StatesOfElement::Zero(), g_v = StatesOfElement::Zero();
-  Eigen::Matrix2d g_z = Eigen::Matrix2d::Zero();
-  // Combinations of the states and s that are constant in every small motion, as the mass of oil.
-  int constants = 0;
-};
 ElementDerivatives derivatives(const Element& element, const Model& model, const State& state, double s,
                                double v);
 
-// Argument of an element: coordinate of a motor's joint, stroke of a cylinder; and its rate.
-struct ElementArgument {
-  double s = 0, v = 0;
-};
 ElementArgument argument(const Element& element, const std::vector<LinkMotion>& links);
 // Force of a cylinder at its ends, as that of a spring.
 SpringForce along_line(const Element& element, const ElementValue& value,
                        const std::vector<LinkMotion>& links);
 
-// Value of its target, throttle, force or opening.
-double signal_of(const Element& element, const Model& model, const State& at);
+// What its law depends on at a state: value of its target, throttle, force or opening; no states.
+LawInput input_of(const Element& element, const Model& model, const State& at);
 
-// What an element does at given states: power that comes in, and that is lost [W].
-struct ElementPower {
-  double work = 0, lost = 0;
-};
 ElementPower power(const Element& element, const Model& model, const State& at, ElementArgument x,
                    const StatesOfElement& z);
-// Energy stored in compressed oil and at the ends [J].
+// Energy stored by its law and at the ends [J].
 double stored_energy(const Element& element, double s, const StatesOfElement& z);
-// Flows into the chambers of a hydraulic cylinder through its valve [m3/s].
-struct ChamberFlows {
-  double a = 0, b = 0;
-};
-ChamberFlows valve_flows(const Element& element, const Model& model, const State& at,
-                         const StatesOfElement& z);
 
 StatesOfElement states_of(const Element& element, const VectorXd& z);
 

@@ -89,8 +89,11 @@ StatesOfElement per_speed(const Hydraulics& law, const Volumes& V) {
 
 // The equation of the pressures is the gradient of a convex function, since no flow into a chamber grows with
 // its pressure: Newton's method with a line search converges from anywhere.
-ElementValue evaluate(const Hydraulics& law, const std::string& name, double opening, double s, double v,
-                      const StatesOfElement& known, double weight, const StatesOfElement& guess) {
+ElementValue Hydraulics::evaluate(const LawInput& in, double s, double v) const {
+  const Hydraulics& law = *this;
+  const std::string& name = in.name;
+  const StatesOfElement &known = in.known, &guess = in.guess;
+  const double opening = in.signal.value, weight = in.weight;
   const Volumes V = volumes(law, s);
   if (weight > 0) expect_oil(V, name, s);
   ElementValue out;
@@ -136,21 +139,25 @@ ElementValue evaluate(const Hydraulics& law, const std::string& name, double ope
   return out;
 }
 
-StatesOfElement kept_at_rest(const Hydraulics& law, double s, const StatesOfElement& p) {
-  const Volumes V = volumes(law, s);
-  return {p[0] + law.modulus * std::log(V.a / law.volume), p[1] + law.modulus * std::log(V.b / law.volume)};
+StatesOfElement Hydraulics::kept_at_rest(double s, const StatesOfElement& p) const {
+  const Volumes V = volumes(*this, s);
+  return {p[0] + modulus * std::log(V.a / volume), p[1] + modulus * std::log(V.b / volume)};
 }
 
 // Behind a closed valve V e^(p/B) is constant in each chamber. Leakage exchanges equal volumes and makes both
 // pressures equal; the sum of both masses is constant up to the compressibility p/B of the volumes exchanged.
-ElementValue at_rest(const Hydraulics& law, const std::string& name, double opening, double s,
-                     const StatesOfElement& kept, const StatesOfElement& guess) {
+ElementValue Hydraulics::at_rest(const LawInput& in, double s) const {
+  const Hydraulics& law = *this;
+  const double opening = in.signal.value;
+  const StatesOfElement& kept = in.known;
   constexpr double long_time = 1e12;  // [s]
   const Volumes V = volumes(law, s);
-  expect_oil(V, name, s);
+  expect_oil(V, in.name, s);
   ElementValue out;
   if (opening != 0) {
-    out = evaluate(law, name, opening, s, 0, guess, long_time, guess);
+    LawInput settled = in;
+    settled.known = in.guess, settled.weight = long_time;
+    out = evaluate(settled, s, 0);
     out.d_s = out.d_v = 0;
     out.zdot.setZero();
     return out;
@@ -170,8 +177,10 @@ ElementValue at_rest(const Hydraulics& law, const std::string& name, double open
   return out;
 }
 
-ElementDerivatives derivatives(const Hydraulics& law, double opening, double s, double v,
-                               const StatesOfElement& p) {
+ElementDerivatives Hydraulics::derivatives(const LawInput& in, double s, double v,
+                                           const StatesOfElement& p) const {
+  const Hydraulics& law = *this;
+  const double opening = in.signal.value;
   const Volumes V = volumes(law, s);
   const Rates r = rates(law, ports(law, opening, p), V, v, p);
   ElementDerivatives d;
@@ -190,36 +199,50 @@ ChamberFlows valve_flows(const Hydraulics& law, double opening, const StatesOfEl
 
 // Energy enters the chambers with their flows. Of what the supply gives, the edge dissipates the part between
 // the pressure of the supply and that of the chamber; a pump at its limit works at the pressure that it has.
-ElementPower power(const Hydraulics& law, double opening, const StatesOfElement& p) {
+ElementPower Hydraulics::power(const LawInput& in, ElementArgument, const StatesOfElement& p) const {
+  const Hydraulics& law = *this;
+  const double opening = in.signal.value;
   const Ports at = ports(law, opening, p);
   const bool extends = opening >= 0;
   const double fed = extends ? at.a.value : at.b.value, emptied = extends ? at.b.value : at.a.value;
   const double p_fed = extends ? p[0] : p[1], p_emptied = extends ? p[1] : p[0];
-  double supply = law.supply;
+  double feeding = law.supply;
   if (fed >= law.pump) {
     // The drop at which the edge lets this flow pass.
     double low = 0, high = std::max(0.0, law.supply - p_fed);
     for (int i = 0; i < 60; ++i) {
-      const double drop = (low + high) / 2;
-      (orifice(law, std::abs(opening), drop).value < fed ? low : high) = drop;
+      const double middle_drop = (low + high) / 2;
+      (orifice(law, std::abs(opening), middle_drop).value < fed ? low : high) = middle_drop;
     }
-    supply = p_fed + high;
+    feeding = p_fed + high;
   }
   const double leak = law.leakage * (p[0] - p[1]);
-  const double in = fed * carried(law, supply), out = -emptied * carried(law, law.tank);
-  return {in - out, in - fed * carried(law, p_fed) - emptied * carried(law, p_emptied) - out +
-                        leak * (carried(law, p[0]) - carried(law, p[1]))};
+  const double entering = fed * carried(law, feeding), leaving = -emptied * carried(law, law.tank);
+  return {entering - leaving, entering - fed * carried(law, p_fed) - emptied * carried(law, p_emptied) -
+                                  leaving + leak * (carried(law, p[0]) - carried(law, p[1]))};
 }
 
-double stored_energy(const Hydraulics& law, double s, const StatesOfElement& p) {
+double Hydraulics::stored_energy(double s, const StatesOfElement& p) const {
+  const Hydraulics& law = *this;
   const Volumes V = volumes(law, s);
-  const auto of = [&](double volume, double pressure) {
+  const auto of = [&](double in_chamber, double pressure) {
     const double x = pressure / law.modulus;
     // Below, the difference loses its digits.
     const double density = std::abs(x) < 1e-3 ? x * x * (0.5 + x * (1. / 6 + x / 24)) : std::expm1(x) - x;
-    return volume * law.modulus * density;
+    return in_chamber * law.modulus * density;
   };
   return of(V.a, p[0]) + of(V.b, p[1]);
+}
+
+void Hydraulics::observe(int account, const LawInput& in, ElementArgument x, const StatesOfElement& p,
+                         ChannelValues& to) const {
+  using scene::Channel;
+  to.add(account, Channel::supply_power, power(in, x, p).work);
+  to.add(account, Channel::pressure_a, p[0]);
+  to.add(account, Channel::pressure_b, p[1]);
+  const ChamberFlows flows = valve_flows(*this, in.signal.value, p);
+  to.add(account, Channel::flow_a, flows.a);
+  to.add(account, Channel::flow_b, flows.b);
 }
 
 }  // namespace tandem::mbd

@@ -33,10 +33,10 @@ namespace {
 // does not pull at a body that leaves it faster than the stop can follow.
 void add_stop(Depth at, double k, double c, double u, JointForceValue& v) {
   const auto [d, s] = at;
-  const double grip = 1 + c * s * u;
-  if (!(grip > 0)) return;
-  v.force -= s * k * d * grip;
-  v.d_q -= k * grip;
+  const double damping_factor = 1 + c * s * u;
+  if (!(damping_factor > 0)) return;
+  v.force -= s * k * d * damping_factor;
+  v.d_q -= k * damping_factor;
   v.d_u -= k * d * c;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mbd_server/kinematics/kinematics.hpp"
+#include "mbd_server/state/system.hpp"
 
 namespace tandem::mbd {
 
@@ -20,9 +21,11 @@ inline SizeValue size_over(const SizeOverJoint& over, const CoordinateMotion& co
   return {v.value, v.first};
 }
 
-inline double size_of(const LoadOnLink& load, const State& state, const std::vector<LinkMotion>& links) {
-  return load.over ? size_over(*load.over, links[load.over->link].coordinate).value
-                   : load.size.at(state.time, state.side).value;
+// Derivative of the size by the coordinate, weighted as the iteration matrix.
+inline double weighted_slope(const SizeOverJoint& over, const std::vector<LinkMotion>& links,
+                             const MatrixWeights& weights) {
+  const double by = size_over(over, links[over.link].coordinate).slope;
+  return by * (over.of_rate ? weights.damping : weights.stiffness);
 }
 
 }  // namespace tandem::mbd

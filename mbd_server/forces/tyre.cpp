@@ -263,4 +263,67 @@ bool stands_on(const TyreOnLink& tyre, const std::vector<LinkMotion>& links, int
   });
 }
 
+namespace tyre {
+
+class Port final : public SampledPort<Port, double> {
+ public:
+  explicit Port(const TyreOnLink& tyre) : tyre_(tyre) {}
+  double sample(const Instant& at) const { return evaluate(tyre_, at.state, at.links).lost; }
+  // The power between the ends of a step is taken as linear.
+  void add(double from, double to, const EnergyStep& step, EnergySums& sums) const {
+    sums.add(&EnergySums::dissipated, 0.5 * step.length * (from + to), tyre_.account);
+  }
+
+ private:
+  const TyreOnLink& tyre_;
+};
+
+class Kind final : public KindOfForce<Kind, TyreOnLink> {
+ public:
+  using KindOfForce::KindOfForce;
+  bool dissipates() const override { return true; }
+  void evaluate(const Instant& at) override { f_ = mbd::evaluate(data, at.state, at.links); }
+  void write_states(VectorXd& z, VectorXd& rates) const override {
+    z.segment<2>(data.state) = f_.w, rates.segment<2>(data.state) = f_.w_rate;
+  }
+  // As for contacts, the whole change of the wrench is in its derivatives.
+  void add_forces(ForceReceiver& to) const override { to.wrench(data.centre, f_.wrench); }
+  std::vector<int> connect(const Model&, ForceConnections& to) const override {
+    return {to.between(0, data.centre.link, 6)};
+  }
+  void linearise(const std::vector<int>&, ForceDerivatives& to) const override {
+    const LinkIndex wheel = data.centre.link;
+    if (wheel == 0) return;
+    to.on(wheel).leftCols<6>() -= to.weights.stiffness * f_.by_displacement;
+    to.on(wheel).middleCols<6>(6) -= f_.by_velocity;
+  }
+  double stored_energy(const Instant& at) const override {
+    return mbd::evaluate(data, at.state, at.links).energy;
+  }
+  std::unique_ptr<EnergyPort> energy_port() const override { return std::make_unique<Port>(data); }
+  void observe(const Instant& at, ChannelValues& to) const override {
+    const TyreForce f = mbd::evaluate(data, at.state, at.links);
+    for (int axis = 0; axis < 3; ++axis) to.add(data.account, scene::Channel::force, f.force[axis], axis);
+    to.add(data.account, scene::Channel::slip, f.slip.x());
+    to.add(data.account, scene::Channel::slip_angle, std::atan(f.slip.y()));
+    to.add(data.account, scene::Channel::aligning_torque, f.aligning);
+    to.add(data.account, scene::Channel::loaded_radius, f.radius);
+    to.add(data.account, scene::Channel::power, f.power);
+    to.add(data.account, scene::Channel::stored_energy, f.energy);
+    to.add(data.account, scene::Channel::loss_power, f.lost);
+  }
+  ForceSize size(const Instant& at) const override {
+    return {.force = mbd::evaluate(data, at.state, at.links).force.norm()};
+  }
+
+ private:
+  TyreForce f_;
+};
+
+}  // namespace tyre
+
+std::shared_ptr<const ForceElement> make_force(TyreOnLink tyre) {
+  return std::make_shared<tyre::Kind>(std::move(tyre), OrderOfForce{5, 5});
+}
+
 }  // namespace tandem::mbd

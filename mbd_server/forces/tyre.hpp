@@ -11,9 +11,8 @@
 // As the states of machine elements (element_force.hpp) they are eliminated within a step.
 #pragma once
 
-#include "mbd_server/kinematics/kinematics.hpp"
-#include "mbd_server/model/model.hpp"
-#include "mbd_server/state/state.hpp"
+#include "mbd_server/forces/force_element.hpp"
+#include "mbd_server/forces/tyre_data.hpp"
 
 namespace tandem::mbd {
 
@@ -39,5 +38,7 @@ TyreForce evaluate(const TyreOnLink& tyre, const State& state, const std::vector
 double load_on(const TyreOnLink& tyre, const std::vector<LinkMotion>& links);
 // Whether one of the four points under a tyre with a road is on that shape of contact.
 bool stands_on(const TyreOnLink& tyre, const std::vector<LinkMotion>& links, int shape);
+
+std::shared_ptr<const ForceElement> make_force(TyreOnLink tyre);
 
 }  // namespace tandem::mbd

@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
-#include "mbd_server/model/model.hpp"
+#include "mbd_server/forces/tyre_data.hpp"
 #include "mbd_server/spatial/triple.hpp"
 
 namespace tandem::mbd {

@@ -5,43 +5,15 @@
 #include <optional>
 
 #include "mbd_server/contact/contact_force.hpp"
-#include "mbd_server/forces/bushing.hpp"
-#include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/forces/joint_force.hpp"
-#include "mbd_server/forces/rope.hpp"
-#include "mbd_server/forces/size_over_joint.hpp"
-#include "mbd_server/forces/spring_damper.hpp"
-#include "mbd_server/forces/tyre.hpp"
 #include "mbd_server/io/energy_balance.hpp"
 
 namespace tandem::mbd {
 
 using scene::Channel;
 
-// The row that is being filled in.
-class ElementObserver::Values {
- public:
-  Values(const std::vector<Account>& accounts, std::vector<double>& row) : accounts_(accounts), row_(row) {}
-
-  // Adds to the column, where the element has it.
-  void add(int account, Channel channel, double value, int part = 0) {
-    const int first = accounts_[static_cast<std::size_t>(account)].first[static_cast<std::size_t>(channel)];
-    if (first != none) row_[static_cast<std::size_t>(first + part)] += value;
-  }
-  // A force or torque on a coordinate and its rate.
-  void add_effort(int account, bool rotates, double effort, double rate) {
-    add(account, rotates ? Channel::torque : Channel::force, effort);
-    add(account, rotates ? Channel::speed : Channel::velocity, rate);
-    add(account, Channel::power, effort * rate);
-  }
-
- private:
-  const std::vector<Account>& accounts_;
-  std::vector<double>& row_;
-};
-
 ElementObserver::ElementObserver(const Model& model, const std::vector<scene::ElementOfScene>& elements)
-    : model_(model), accounts_(elements.size()), stored_at_start_(model.elements.size(), 0.0) {
+    : model_(model), accounts_(elements.size()), stored_at_start_(model.forces.size(), 0.0) {
   for (std::size_t a = 0; a < elements.size(); ++a) {
     accounts_[a].first.fill(none);
     accounts_[a].is_force = elements[a].source == scene::ElementOfScene::Source::force;
@@ -56,17 +28,15 @@ ElementObserver::ElementObserver(const Model& model, const std::vector<scene::El
 }
 
 void ElementObserver::start(const State& state, const MachineSystem& system) {
-  for (std::size_t i = 0; i < model_.elements.size(); ++i) {
-    const Element& e = model_.elements[i];
-    stored_at_start_[i] = stored_energy(e, argument(e, system.links()).s, states_of(e, state.z));
-  }
+  for (std::size_t f = 0; f < model_.forces.size(); ++f)
+    stored_at_start_[f] = model_.forces[f]->stored_energy({model_, state, system.links()});
 }
 
 void ElementObserver::observe(const State& state, const MachineSystem& system, const EnergySums& sums,
                               std::vector<double>& row) const {
   row.assign(columns_, 0);
   if (accounts_.empty()) return;
-  Values values(accounts_, row);
+  ChannelValues values(accounts_, sums, row);
   for (std::size_t a = 0; a < accounts_.size(); ++a) {
     values.add(static_cast<int>(a), Channel::energy, sums.work_of[a]);
     values.add(static_cast<int>(a), Channel::supply_energy, sums.work_of[a]);
@@ -75,14 +45,16 @@ void ElementObserver::observe(const State& state, const MachineSystem& system, c
   observe_joints(state, system, values);
   observe_joint_forces(state, system, values);
   observe_couplers(state, system, values);
-  observe_elements(state, system, sums, values);
-  observe_springs(system, values);
-  observe_tyres(state, system, values);
-  observe_loads(state, system, values);
+  for (std::size_t f = 0; f < model_.forces.size(); ++f) {
+    if (model_.forces[f]->account() == none) continue;
+    values.stored_at_start = stored_at_start_[f];
+    model_.forces[f]->observe({model_, state, system.links()}, values);
+  }
   observe_contacts(state, system, values);
 }
 
-void ElementObserver::observe_joints(const State& state, const MachineSystem& system, Values& values) const {
+void ElementObserver::observe_joints(const State& state, const MachineSystem& system,
+                                     ChannelValues& values) const {
   for (std::size_t i = 0; i < model_.links.size(); ++i) {
     const Link& link = model_.links[i];
     if (link.account == none) continue;
@@ -93,7 +65,7 @@ void ElementObserver::observe_joints(const State& state, const MachineSystem& sy
 }
 
 void ElementObserver::observe_joint_forces(const State& state, const MachineSystem& system,
-                                           Values& values) const {
+                                           ChannelValues& values) const {
   for (const JointForce& f : model_.joint_forces) {
     if (f.account == none) continue;
     const Link& link = model_.links[f.link];
@@ -110,7 +82,7 @@ void ElementObserver::observe_joint_forces(const State& state, const MachineSyst
                  sticks ? system.last_residual()[link.u] : evaluate(f, model_, state, c.value, c.rate).force);
       continue;
     }
-    if (!accounts_[static_cast<std::size_t>(f.account)].is_force) continue;
+    if (!values.is_force(f.account)) continue;
     values.add_effort(f.account, rotates(link.kind), evaluate(f, model_, state, c.value, c.rate).force,
                       c.rate);
     values.add(f.account, Channel::stored_energy, energy(f, c.value));
@@ -119,7 +91,7 @@ void ElementObserver::observe_joint_forces(const State& state, const MachineSyst
 
 // The multiplier of a coupler acts on each coordinate by the coordinate's factor in its equation.
 void ElementObserver::observe_couplers(const State& state, const MachineSystem& system,
-                                       Values& values) const {
+                                       ChannelValues& values) const {
   for (const Closure& c : model_.closures) {
     if (c.account == none) continue;
     const EquationValue& equation = system.equations()[static_cast<std::size_t>(c.first)];
@@ -134,116 +106,8 @@ void ElementObserver::observe_couplers(const State& state, const MachineSystem& 
   }
 }
 
-// What a cylinder gives the machine is what comes in, less what it dissipates and stores.
-void ElementObserver::observe_elements(const State& state, const MachineSystem& system,
-                                       const EnergySums& sums, Values& values) const {
-  for (std::size_t i = 0; i < model_.elements.size(); ++i) {
-    const Element& e = model_.elements[i];
-    const int a = e.account;
-    const ElementArgument x = argument(e, system.links());
-    const StatesOfElement z = states_of(e, state.z);
-    const ElementValue value = evaluate(e, model_, state, x.s, x.v);
-    const ElementPower power = mbd::power(e, model_, state, x, z);
-    values.add(a, Channel::loss_power, power.lost);
-    const double signal = signal_of(e, model_, state);
-    for (const Channel channel : {Channel::target_speed, Channel::target_angle, Channel::target_stroke,
-                                  Channel::throttle, Channel::opening})
-      values.add(a, channel, signal);
-    if (!e.is_cylinder()) {
-      values.add_effort(a, true, value.force - value.passive, x.v);
-      values.add(a, Channel::brake_torque, value.passive);
-      continue;
-    }
-    const double stored = stored_energy(e, x.s, z);
-    values.add_effort(a, false, value.force, x.v);
-    values.add(a, Channel::energy,
-               -sums.lost_of[static_cast<std::size_t>(a)] - (stored - stored_at_start_[i]));
-    values.add(a, Channel::stroke, x.s);
-    values.add(a, Channel::stored_energy, stored);
-    values.add(a, Channel::supply_power, power.work);
-    values.add(a, Channel::pressure_a, z[0]);
-    values.add(a, Channel::pressure_b, z[1]);
-    const ChamberFlows flows = valve_flows(e, model_, state, z);
-    values.add(a, Channel::flow_a, flows.a);
-    values.add(a, Channel::flow_b, flows.b);
-  }
-}
-
-void ElementObserver::observe_springs(const MachineSystem& system, Values& values) const {
-  const std::vector<LinkMotion>& links = system.links();
-  for (const Spring& spring : model_.springs) {
-    if (spring.account == none) continue;
-    const Line line = line_between(spring.a, spring.b, links);
-    const double rate = line.rate(), damper = spring.viscous.at(rate).force,
-                 tension = spring.elastic.at(line.length - spring.length).force + damper;
-    values.add(spring.account, Channel::force, tension);
-    values.add(spring.account, Channel::length, line.length);
-    values.add(spring.account, Channel::velocity, rate);
-    values.add(spring.account, Channel::power, -tension * rate);
-    values.add(spring.account, Channel::stored_energy, spring.elastic.energy(line.length - spring.length));
-    values.add(spring.account, Channel::loss_power, damper * rate);
-  }
-  for (const BushingOnLinks& bushing : model_.bushings) {
-    if (bushing.account == none) continue;
-    const BushingForce f = evaluate(bushing, links);
-    const LinkMotion &a = links[bushing.a.link], &b = links[bushing.b.link];
-    const Vector6d V = b.V - a.V;
-    const Vector3d v = at_point(V, f.p), w = V.head<3>(), force = f.on_b.head<3>(), torque = f.on_b.tail<3>();
-    const Vector3d force_a = a.R_WL.transpose() * force, torque_a = a.R_WL.transpose() * torque;
-    for (int axis = 0; axis < 3; ++axis) {
-      values.add(bushing.account, Channel::force, force_a[axis], axis);
-      values.add(bushing.account, Channel::torque, torque_a[axis], axis);
-    }
-    Vector6d rate;
-    rate << a.R_WL.transpose() * v, a.R_WL.transpose() * w;
-    values.add(bushing.account, Channel::power, force.dot(v) + torque.dot(w));
-    values.add(bushing.account, Channel::stored_energy, f.energy);
-    values.add(bushing.account, Channel::loss_power, rate.dot(bushing.damping * rate));
-  }
-  for (const RopeOnLinks& rope : model_.ropes) {
-    if (rope.account == none) continue;
-    const RopeStretch stretch = stretch_of(rope, links);
-    const double pull = tension(rope, stretch.elongation, stretch.rate),
-                 e = std::max(0.0, stretch.elongation);
-    values.add(rope.account, Channel::tension, pull);
-    values.add(rope.account, Channel::length, rope.length + stretch.elongation);
-    values.add(rope.account, Channel::slack, std::max(0.0, -stretch.elongation));
-    values.add(rope.account, Channel::power, -pull * stretch.rate);
-    values.add(rope.account, Channel::stored_energy, 0.5 * rope.stiffness * e * e);
-    values.add(rope.account, Channel::loss_power, dissipated_power(rope, stretch.elongation, stretch.rate));
-  }
-}
-
-void ElementObserver::observe_tyres(const State& state, const MachineSystem& system, Values& values) const {
-  for (const TyreOnLink& tyre : model_.tyres) {
-    if (tyre.account == none) continue;
-    const TyreForce f = evaluate(tyre, state, system.links());
-    for (int axis = 0; axis < 3; ++axis) values.add(tyre.account, Channel::force, f.force[axis], axis);
-    values.add(tyre.account, Channel::slip, f.slip.x());
-    values.add(tyre.account, Channel::slip_angle, std::atan(f.slip.y()));
-    values.add(tyre.account, Channel::aligning_torque, f.aligning);
-    values.add(tyre.account, Channel::loaded_radius, f.radius);
-    values.add(tyre.account, Channel::power, f.power);
-    values.add(tyre.account, Channel::stored_energy, f.energy);
-    values.add(tyre.account, Channel::loss_power, f.lost);
-  }
-}
-
-void ElementObserver::observe_loads(const State& state, const MachineSystem& system, Values& values) const {
-  const std::vector<LinkMotion>& links = system.links();
-  for (const LoadOnLink& load : model_.loads) {
-    if (load.account == none) continue;
-    const LinkMotion& link = links[load.at.link];
-    const double size = size_of(load, state, links);
-    const Vector3d direction = load.follows ? Vector3d(link.R_WL * load.direction) : load.direction;
-    const Vector3d rate = load.torque ? Vector3d(link.V.head<3>()) : link.velocity(link.point(load.at.p_LP));
-    values.add(load.account, load.torque ? Channel::torque : Channel::force, size);
-    values.add(load.account, Channel::power, size * direction.dot(rate));
-  }
-}
-
 void ElementObserver::observe_contacts(const State& state, const MachineSystem& system,
-                                       Values& values) const {
+                                       ChannelValues& values) const {
   const BodyContactModel& contact = model_.contact;
   if (contact.outputs.empty()) return;
   const std::vector<LinkMotion>& links = system.links();

@@ -1,7 +1,6 @@
 // Results over time of the elements of a scene: the values of scene::element_columns() at a state.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "common/scene/element_columns.hpp"
@@ -23,32 +22,21 @@ class ElementObserver {
                std::vector<double>& values) const;
 
  private:
-  class Values;
-  void observe_joints(const State& state, const MachineSystem& system, Values& values) const;
-  void observe_joint_forces(const State& state, const MachineSystem& system, Values& values) const;
-  void observe_couplers(const State& state, const MachineSystem& system, Values& values) const;
-  void observe_elements(const State& state, const MachineSystem& system, const EnergySums& sums,
-                        Values& values) const;
-  void observe_springs(const MachineSystem& system, Values& values) const;
-  void observe_tyres(const State& state, const MachineSystem& system, Values& values) const;
-  void observe_loads(const State& state, const MachineSystem& system, Values& values) const;
-  void observe_contacts(const State& state, const MachineSystem& system, Values& values) const;
+  void observe_joints(const State& state, const MachineSystem& system, ChannelValues& values) const;
+  void observe_joint_forces(const State& state, const MachineSystem& system, ChannelValues& values) const;
+  void observe_couplers(const State& state, const MachineSystem& system, ChannelValues& values) const;
+  void observe_contacts(const State& state, const MachineSystem& system, ChannelValues& values) const;
 
   // What the points of one output do together at an instant.
   struct OfContacts {
     Vector3d force = Vector3d::Zero(), friction = force, torque = force, moment = force;  // N times point
     double normal = 0, depth = 0, points = 0, power = 0, energy = 0;
   };
-  // Of one element: first column of each channel, or none; and whether it is a force of the scene.
-  struct Account {
-    std::array<int, static_cast<std::size_t>(scene::Channel::count)> first{};
-    bool is_force = false;
-  };
   const Model& model_;
   std::size_t columns_ = 0;
-  std::vector<Account> accounts_;
+  std::vector<ElementAccount> accounts_;
   mutable std::vector<OfContacts> contacts_;  // (outputs of contacts)
-  std::vector<double> stored_at_start_;       // by motors and cylinders (elements of the model) [J]
+  std::vector<double> stored_at_start_;       // (forces of the model) [J]
 };
 
 }  // namespace tandem::mbd

@@ -16,9 +16,9 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
-#include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/io/run_totals.hpp"
 #include "mbd_server/solve/machine_system.hpp"
 
@@ -47,16 +47,6 @@ class EnergyBalance {
     std::array<double, 4> q;
     std::array<double, 3> u, udot;
   };
-  struct LoadPort {
-    const LoadOnLink* load;
-    Vector3d point = Vector3d::Zero();                  // of forces: point of application [m]
-    Quaterniond orientation = Quaterniond::Identity();  // of torques: orientation of the link
-    Vector3d rate = Vector3d::Zero();                   // of the point [m/s]; of the link [rad/s]
-    Vector3d acceleration = Vector3d::Zero();           // rate of it
-    Vector3d direction = Vector3d::Zero(), direction_rate = Vector3d::Zero();  // world axes
-    double power = 0;                                                          // [W]
-    CoordinateMotion over{};  // of a size over a joint coordinate
-  };
   struct JointPort {
     const JointForce* force;
     bool dissipates;
@@ -65,78 +55,29 @@ class EnergyBalance {
     double drive = 0;              // of the actuator [N m or N]
     CoordinateMotion over{};       // of a size over a joint coordinate
   };
-  struct RopePort {
-    const RopeOnLinks* rope;
-    double elongation = 0, rate = 0, lost = 0;  // [m], [m/s], [W]
-  };
   struct MotionPort {
     LinkIndex link;
     Coordinates at{};
     double effort = 0;  // of the motion that drives the joint [N m or N]
   };
-  struct SpringPort {
-    const Spring* spring;
-    double length = 0, rate = 0, lost = 0;  // [m], [m/s], [W]
-  };
-  struct BushingPort {
-    const BushingOnLinks* bushing;
-    Vector3d displacement = Vector3d::Zero();           // axes of a [m]
-    Quaterniond orientation = Quaterniond::Identity();  // of b relative to a
-    Vector6d rate = Vector6d::Zero();                   // axes of a: velocity, angular velocity
-    double lost = 0;                                    // [W]
-  };
-
-  struct TyrePort {
-    const TyreOnLink* tyre;
-    double lost = 0;  // [W]
-  };
-  struct ElementPort {
-    const Element* element;
-    ElementArgument x{};
-    StatesOfElement z = StatesOfElement::Zero();
-    ElementPower power{};
-  };
-
-  LoadPort seen(const LoadPort& port, const State& state, const MachineSystem& system) const;
-  JointPort seen(const JointPort& port, const State& state, const MachineSystem& system) const;
-  MotionPort seen(const MotionPort& port, const State& state, const MachineSystem& system) const;
-  SpringPort seen(const SpringPort& port, const State& state, const MachineSystem& system) const;
-  BushingPort seen(const BushingPort& port, const State& state, const MachineSystem& system) const;
-  RopePort seen(const RopePort& port, const State& state, const MachineSystem& system) const;
-  TyrePort seen(const TyrePort& port, const State& state, const MachineSystem& system) const;
-  ElementPort seen(const ElementPort& port, const State& state, const MachineSystem& system) const;
+  JointPort at(const JointPort& port, const State& state, const MachineSystem& system) const;
+  MotionPort at(const MotionPort& port, const State& state, const MachineSystem& system) const;
 
   Coordinates coordinates(LinkIndex link, const State& state, const MachineSystem& system) const;
   std::array<double, 3> displacement(LinkIndex link, const Coordinates& from, const Coordinates& to,
                                      double h) const;
 
-  void add(const LoadPort& from, const LoadPort& to, double h, EnergySums& sums) const;
   void add(const JointPort& from, const JointPort& to, double h, EnergySums& sums) const;
   void add(const MotionPort& from, const MotionPort& to, double h, EnergySums& sums) const;
-  void add(const SpringPort& from, const SpringPort& to, double h, EnergySums& sums) const;
-  void add(const BushingPort& from, const BushingPort& to, double h, EnergySums& sums) const;
-  void add(const RopePort& from, const RopePort& to, double h, EnergySums& sums) const;
-  void add(const TyrePort& from, const TyrePort& to, double h, EnergySums& sums) const;
-  void add(const ElementPort& from, const ElementPort& to, double h, EnergySums& sums) const;
-
-  template <class F>
-  void for_each_list(F&& f) {
-    f(loads_), f(joints_), f(motions_), f(springs_), f(bushings_), f(ropes_), f(tyres_), f(elements_);
-  }
 
   const Model& model_;
   double time_ = 0;           // of the last begin() or add_step() [s]
   bool sudden_ = false;       // the step that is being added
   StopContactRows contacts_;  // of the stops, during the step
-  std::vector<LoadPort> loads_;
+  std::vector<std::unique_ptr<EnergyPort>> forces_;
   std::vector<JointPort> joints_;
   std::vector<MotionPort> motions_;
-  std::vector<SpringPort> springs_;
-  std::vector<BushingPort> bushings_;
-  std::vector<RopePort> ropes_;
-  std::vector<TyrePort> tyres_;
-  std::vector<ElementPort> elements_;
-  mutable State between_;  // time and inputs in the middle of a step
+  State between_;  // time and inputs in the middle of a step
 };
 
 }  // namespace tandem::mbd

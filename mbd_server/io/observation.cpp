@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "mbd_server/contact/contact_force.hpp"
+#include "mbd_server/forces/element_force.hpp"
+#include "mbd_server/forces/hydraulics.hpp"
 #include "mbd_server/forces/joint_force.hpp"
-#include "mbd_server/forces/rope.hpp"
-#include "mbd_server/forces/size_over_joint.hpp"
-#include "mbd_server/forces/tyre.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -59,35 +58,35 @@ const std::vector<JointObservation>& JointObserver::observe(const State& state,
 
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const SceneJoint& joint = model_.joints[j];
-    JointObservation& seen = joints_[j];
+    JointObservation& observed = joints_[j];
     if (joint.type == scene::JointType::free) continue;
     const Vector3d p = links[joint.link].point(joint.p_LJ);
     Vector6d F = joint.closure != none ? wrench(model_.closures[joint.closure], state, links)
                  : joint.reversed      ? Vector6d(-carried_[joint.parent])
                                        : carried_[joint.child];
-    seen.reaction = {to_vec3(F.tail<3>()), to_vec3(F.head<3>() - p.cross(F.tail<3>()))};
+    observed.reaction = {to_vec3(F.tail<3>()), to_vec3(F.head<3>() - p.cross(F.tail<3>()))};
     if (joint.coordinate_link != none) {
-      seen.q = links[joint.coordinate_link].coordinate.value;
-      seen.rate = links[joint.coordinate_link].coordinate.rate;
+      observed.q = links[joint.coordinate_link].coordinate.value;
+      observed.rate = links[joint.coordinate_link].coordinate.rate;
     } else if (joint.closure != none) {
-      observe_cut(joint, links, seen);
+      observe_cut(joint, links, observed);
     }
   }
   return joints_;
 }
 
 void JointObserver::observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links,
-                                JointObservation& seen) const {
+                                JointObservation& observed) const {
   const Closure& c = model_.closures[joint.closure];
   const LinkMotion &a = links[c.a], &b = links[c.b];
   const Vector6d V = b.V - a.V;
   const Vector3d n = a.R_WL * c.axis;
   if (joint.type == scene::JointType::prismatic) {
-    seen.q = travel(c, links);
-    seen.rate = n.dot(at_point(V, b.point(c.p_b)));
+    observed.q = travel(c, links);
+    observed.rate = n.dot(at_point(V, b.point(c.p_b)));
   } else if (joint.type == scene::JointType::revolute || joint.type == scene::JointType::screw) {
-    seen.q = angle(c, links);
-    seen.rate = n.dot(V.head<3>());
+    observed.q = angle(c, links);
+    observed.rate = n.dot(V.head<3>());
   }
 }
 
@@ -99,52 +98,43 @@ Vector6d JointObserver::wrench(const Closure& c, const State& state, const std::
   return sum;
 }
 
+void JointObserver::apply(int body, const Vector6d& wrench) {
+  if (body != none) carried_[body] -= wrench;
+}
+
+class JointObserver::Receiver final : public ForceReceiver {
+ public:
+  explicit Receiver(JointObserver& to) : to_(to) {}
+  void at_point(const PointOnBody& on, const Vector3d& p, const Vector3d& force,
+                const Vector3d& torque) override {
+    to_.apply(on.body, wrench_at(p, force, torque));
+  }
+  void following(const PointOnBody& on, const Vector3d& p, const Vector3d& force,
+                 const Vector3d& torque) override {
+    at_point(on, p, force, torque);
+  }
+  void wrench(const PointOnBody& on, const Vector6d& wrench) override { to_.apply(on.body, wrench); }
+
+ private:
+  JointObserver& to_;
+};
+
+JointObserver::JointObserver(const Model& model)
+    : model_(model), carried_(model.bodies.size()), joints_(model.joints.size()) {
+  for (const auto& force : model.forces) forces_.push_back(force->clone());
+}
+
 void JointObserver::apply_forces(const State& state, const std::vector<LinkMotion>& links) {
-  const auto apply = [&](int body, const Vector6d& wrench) {
-    if (body != none) carried_[body] -= wrench;
-  };
   for_each_contact(model_, state, links,
                    [&](const ContactShape& a, const ContactShape& b, const ContactForce& f) {
                      const Vector6d wrench = wrench_at(f.p, f.force, f.torque);
                      apply(b.body, wrench);
                      apply(a.body, -wrench);
                    });
-  for (const Spring& spring : model_.springs) {
-    const SpringForce f = evaluate(spring, links);
-    apply(spring.b.body, wrench_at(f.p_b, f.on_b));
-    apply(spring.a.body, wrench_at(f.p_a, -f.on_b));
-  }
-  for (const Element& e : model_.elements) {
-    if (!e.is_cylinder()) continue;
-    const ElementArgument x = argument(e, links);
-    const SpringForce f = along_line(e, evaluate(e, model_, state, x.s, x.v), links);
-    apply(e.b.body, wrench_at(f.p_b, f.on_b));
-    apply(e.a.body, wrench_at(f.p_a, -f.on_b));
-  }
-  for (const BushingOnLinks& bushing : model_.bushings) {
-    const BushingForce f = evaluate(bushing, links);
-    const Vector6d w = wrench_at(f.p, f.on_b.head<3>(), f.on_b.tail<3>());
-    apply(bushing.b.body, w);
-    apply(bushing.a.body, -w);
-  }
-  for (const TyreOnLink& tyre : model_.tyres) apply(tyre.centre.body, evaluate(tyre, state, links).wrench);
-  RopeForce tension;
-  for (const RopeOnLinks& rope : model_.ropes) {
-    evaluate(rope, links, tension);
-    for (std::size_t k = 0; k < tension.directions.size(); ++k) {
-      const Vector3d f = tension.tension * tension.directions[k];
-      // The rope pulls at the drum itself, so that its bearing has the tension in its reaction.
-      const bool on_drum = k == 0 && rope.has_drum();
-      apply(on_drum ? rope.drum_body : rope.points[k].body, wrench_at(tension.points[k], f));
-      apply(rope.points[k + 1].body, wrench_at(tension.points[k + 1], -f));
-    }
-  }
-  for (const LoadOnLink& load : model_.loads) {
-    const LinkMotion& link = links[load.at.link];
-    const Vector3d f =
-        size_of(load, state, links) * (load.follows ? link.R_WL * load.direction : load.direction);
-    const Vector3d zero = Vector3d::Zero();
-    apply(load.at.body, wrench_at(link.point(load.at.p_LP), load.torque ? zero : f, load.torque ? f : zero));
+  Receiver receiver(*this);
+  for (const auto& force : forces_) {
+    force->evaluate({model_, state, links});
+    force->add_forces(receiver);
   }
   for (const SceneJoint& joint : model_.joints) {
     if (joint.closure == none) continue;
@@ -159,8 +149,11 @@ void JointObserver::apply_forces(const State& state, const std::vector<LinkMotio
 
 double energy(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
   double sum = potential_energy(model, state, links);
-  for (const Element& e : model.elements)
-    if (e.rotor > 0) sum += 0.5 * e.rotor * links[e.link].coordinate.rate * links[e.link].coordinate.rate;
+  for (const auto& force : model.forces)
+    if (force->rotor() > 0) {
+      const double rate = links[force->coordinate()].coordinate.rate;
+      sum += 0.5 * force->rotor() * rate * rate;
+    }
   for (const BodyOnLink& body : model.bodies) {
     const LinkMotion& link = links[body.link];
     sum += 0.5 * link.V.dot(inertia_in_world(body, link) * link.V);
@@ -179,33 +172,26 @@ double potential_energy(const Model& model, const State& state, const std::vecto
   double sum = 0;
   for (const BodyOnLink& body : model.bodies)
     sum -= body.mass * model.gravity.dot(model.origin + links[body.link].point(body.p_LB));
-  for (const Spring& spring : model.springs) sum += evaluate(spring, links).energy;
   sum += contact_energy(model, state, links);
-  for (const BushingOnLinks& bushing : model.bushings) sum += evaluate(bushing, links).energy;
-  for (const RopeOnLinks& rope : model.ropes) {
-    const double e = std::max(0.0, stretch_of(rope, links).elongation);
-    sum += 0.5 * rope.stiffness * e * e;
-  }
-  for (const TyreOnLink& tyre : model.tyres) sum += evaluate(tyre, state, links).energy;
+  for (const auto& force : model.forces) sum += force->stored_energy({model, state, links});
   for (const JointForce& f : model.joint_forces) sum += energy(f, links[f.link].coordinate.value);
-  for (const Element& e : model.elements)
-    sum += stored_energy(e, argument(e, links).s, states_of(e, state.z));
   return sum;
 }
 
 std::vector<ElementObservation> observe_elements(const Model& model, const State& state,
                                                  const std::vector<LinkMotion>& links) {
-  std::vector<ElementObservation> seen;
-  for (const Element& e : model.elements) {
-    const ElementArgument x = argument(e, links);
-    const StatesOfElement z = states_of(e, state.z);
-    const bool hydraulic = std::holds_alternative<Hydraulics>(e.law);
-    const ChamberFlows flows = valve_flows(e, model, state, z);
-    const double force = evaluate(e, model, state, x.s, x.v).force;
-    seen.push_back({e.name, hydraulic, x.s, x.v, force, force * x.v, hydraulic ? z[0] : 0,
-                    hydraulic ? z[1] : 0, flows.a, flows.b});
+  std::vector<ElementObservation> observed;
+  for (const Element* e : forces_of<Element>(model)) {
+    const ElementArgument x = argument(*e, links);
+    const StatesOfElement z = states_of(*e, state.z);
+    const auto* oil = e->law_as<Hydraulics>();
+    const ChamberFlows flows =
+        oil ? valve_flows(*oil, input_of(*e, model, state).signal.value, z) : ChamberFlows{};
+    const double force = evaluate(*e, model, state, x.s, x.v).force;
+    observed.push_back({e->name, oil != nullptr, x.s, x.v, force, force * x.v, oil ? z[0] : 0, oil ? z[1] : 0,
+                        flows.a, flows.b});
   }
-  return seen;
+  return observed;
 }
 
 double force_scale(const Model& model, const State& state, const std::vector<LinkMotion>& links) {
@@ -213,10 +199,10 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const BodyOnLink& body = model.bodies[b];
     const LinkMotion& link = links[body.link];
-    const BodyMotionState seen = observe_body(model, links, static_cast<int>(b));
+    const BodyMotionState observed = observe_body(model, links, static_cast<int>(b));
     const Matrix3d J = link.R_WL * body.inertia * link.R_WL.transpose();
     const Vector3d w = link.V.head<3>();
-    sum += body.mass * (model.gravity.norm() + norm(seen.a));
+    sum += body.mass * (model.gravity.norm() + norm(observed.a));
     torques += (J * link.A.head<3>() + w.cross(J * w)).norm();
   }
   for (Eigen::Index k = 0; k < std::ssize(model.boundary); ++k) {
@@ -224,26 +210,13 @@ double force_scale(const Model& model, const State& state, const std::vector<Lin
     sum += load.tail<3>().norm();
     torques += load.head<3>().norm();
   }
-  for (const LoadOnLink& load : model.loads)
-    (load.torque ? torques : sum) += std::abs(size_of(load, state, links));
-  for (const RopeOnLinks& rope : model.ropes) {
-    const RopeStretch stretch = stretch_of(rope, links);
-    sum += tension(rope, stretch.elongation, stretch.rate);
-  }
-  for (const Spring& spring : model.springs) sum += evaluate(spring, links).on_b.norm();
   for_each_contact(model, state, links, [&](const ContactShape&, const ContactShape&, const ContactForce& f) {
     sum += f.force.norm();
     torques += f.torque.norm();
   });
-  for (const TyreOnLink& tyre : model.tyres) sum += evaluate(tyre, state, links).force.norm();
-  for (const BushingOnLinks& bushing : model.bushings) {
-    const BushingForce f = evaluate(bushing, links);
-    sum += f.on_b.head<3>().norm();
-    torques += f.on_b.tail<3>().norm();
-  }
-  for (const Element& e : model.elements) {
-    const ElementArgument x = argument(e, links);
-    (e.is_cylinder() ? sum : torques) += std::abs(evaluate(e, model, state, x.s, x.v).force);
+  for (const auto& force : model.forces) {
+    const ForceSize size = force->size({model, state, links});
+    sum += size.force, torques += size.torque;
   }
   for (const JointForce& f : model.joint_forces) {
     const CoordinateMotion& c = links[f.link].coordinate;

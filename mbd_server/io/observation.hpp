@@ -30,20 +30,22 @@ struct JointObservation {
 // forces less the applied forces of everything outboard.
 class JointObserver {
  public:
-  explicit JointObserver(const Model& model)
-      : model_(model), carried_(model.bodies.size()), joints_(model.joints.size()) {}
+  explicit JointObserver(const Model& model);
   const std::vector<JointObservation>& observe(const State& state, const std::vector<LinkMotion>& links);
 
  private:
+  class Receiver;
+  void apply(int body, const Vector6d& wrench);
   void apply_forces(const State& state, const std::vector<LinkMotion>& links);
   void observe_cut(const SceneJoint& joint, const std::vector<LinkMotion>& links,
-                   JointObservation& seen) const;
+                   JointObservation& observed) const;
   static Vector6d wrench(const Closure& closure, const State& state, const std::vector<LinkMotion>& links);
 
   const Model& model_;
   // Wrench transmitted by the joint of each body, about the world's origin (bodies).
   std::vector<Vector6d> carried_;
   std::vector<JointObservation> joints_;
+  std::vector<std::unique_ptr<ForceElement>> forces_;  // copies of those of the model (forces)
 };
 
 // Kinetic energy, potential energy of gravity (zero at the origin), energy of springs, bushings, stops and

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/state_file.hpp"
 #include "common/utf8.hpp"
+#include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/io/tyre_bottoming.hpp"
 #include "mbd_server/state/fields.hpp"
 
@@ -151,7 +152,7 @@ void expect_sound(const SavedState& saved, const Model& model, const std::filesy
   expect_index("totals/sharpest_turn_closure", saved.totals.sharpest_turn_closure, model.closures.size());
   expect_index("totals/largest_reaction_joint", saved.totals.largest_reaction_joint, model.joints.size());
   if (const double e = saved.totals.cavitated_element;
-      !(e >= -1 && e < static_cast<double>(model.elements.size()) && e == std::floor(e)))
+      !(e >= -1 && e < static_cast<double>(forces_of<Element>(model).size()) && e == std::floor(e)))
     fail("totals/cavitated_element", e, "no number of a motor or cylinder of the scene");
   expect_index("totals/contact_depth_a", saved.totals.contact_depth_a, model.contact.shapes.size());
   expect_index("totals/contact_depth_b", saved.totals.contact_depth_b, model.contact.shapes.size());

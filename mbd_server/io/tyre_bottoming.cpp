@@ -7,16 +7,16 @@
 
 namespace tandem::mbd {
 
-TyreBottoming::TyreBottoming(const Model& model) : model_(model) {
+TyreBottoming::TyreBottoming(const Model& model) : model_(model), all_(forces_of<TyreOnLink>(model)) {
   const std::vector<ContactShape>& shapes = model.contact.shapes;
   const auto touches_ground = [&](int s) {
     for (std::size_t g = 0; g < shapes.size(); ++g)
       if (shapes[g].link == 0 && model.contact.may_touch(s, static_cast<int>(g))) return true;
     return false;
   };
-  for (std::size_t t = 0; t < model.tyres.size(); ++t)
+  for (std::size_t t = 0; t < all_.size(); ++t)
     for (std::size_t s = 0; s < shapes.size(); ++s)
-      if (shapes[s].link == model.tyres[t].centre.link && touches_ground(static_cast<int>(s))) {
+      if (shapes[s].link == all_[t]->centre.link && touches_ground(static_cast<int>(s))) {
         tyres_.push_back(t);
         break;
       }
@@ -25,9 +25,9 @@ TyreBottoming::TyreBottoming(const Model& model) : model_(model) {
 TyreTotals TyreBottoming::totals() const {
   TyreTotals totals;
   if (model_.contact.empty()) return totals;
-  totals.time.assign(model_.tyres.size(), 0);
+  totals.time.assign(all_.size(), 0);
   totals.bottomed = totals.bottomed_at = totals.time;
-  totals.bottomed_shape.assign(model_.tyres.size(), none);
+  totals.bottomed_shape.assign(all_.size(), none);
   return totals;
 }
 
@@ -43,7 +43,7 @@ bool TyreBottoming::is_on_ground_of(const TyreOnLink& tyre, const std::vector<Li
 void TyreBottoming::add_step(const State& state, const std::vector<LinkMotion>& links, double h,
                              TyreTotals& totals) const {
   for (const std::size_t t : tyres_) {
-    const TyreOnLink& tyre = model_.tyres[t];
+    const TyreOnLink& tyre = *all_[t];
     if (!(load_on(tyre, links) > 0)) continue;
     totals.time[t] += h;
     for (const ContactPoint& point : state.contacts) {
@@ -69,7 +69,7 @@ std::optional<TyreBottoming::Longest> TyreBottoming::longest(const TyreTotals& t
     if (share <= most.share) continue;
     most = {share, totals.bottomed_at[t],
             model_.contact.shape(static_cast<int>(totals.bottomed_shape[t])).name + " and tyre \"" +
-                model_.tyres[t].name + "\""};
+                all_[t]->name + "\""};
   }
   return most;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mbd_server/contact/contact_force.hpp"
+#include "mbd_server/forces/tyre_data.hpp"
 #include "mbd_server/io/run_totals.hpp"
 
 namespace tandem::mbd {
@@ -32,7 +33,8 @@ class TyreBottoming {
                        int shape) const;
 
   const Model& model_;
-  std::vector<std::size_t> tyres_;  // on whose wheel is a shape that touches the ground
+  std::vector<const TyreOnLink*> all_;  // (tyres)
+  std::vector<std::size_t> tyres_;      // on whose wheel is a shape that touches the ground
 };
 
 }  // namespace tandem::mbd

@@ -7,7 +7,7 @@
 // Joints that are not in the tree are closures: algebraic equations between two links.
 #pragma once
 
-#include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,10 +18,9 @@
 #include "mbd_server/joints/elementary_joint.hpp"
 #include "mbd_server/model/closure.hpp"
 #include "mbd_server/model/contact.hpp"
-#include "mbd_server/model/element.hpp"
 #include "mbd_server/model/force_law.hpp"
 #include "mbd_server/model/periodic_curve.hpp"
-#include "mbd_server/model/road.hpp"
+#include "mbd_server/model/point_on_body.hpp"
 #include "mbd_server/spatial/spatial.hpp"
 
 namespace tandem::mbd {
@@ -66,78 +65,11 @@ struct SceneJoint {
   Vector3d p_LJ = Vector3d::Zero();  // joint point, frame of that link [m]
 };
 
-// Force along the line between two points, see scene::SpringDamper.
-struct Spring {
-  std::string name;
-  PointOnBody a, b;
-  ForceLaw elastic, viscous;  // over the elongation [m] and its rate [m/s]: tension [N]
-  double length = 0;          // [m]
-  int account = none;         // see Model::accounts, as in the following
-};
-
-// A rope through points of links, see scene::Rope.
-struct RopeOnLinks {
-  std::string name;
-  std::vector<PointOnBody> points;  // from one end to the other
-  double length = 0;                // [m]
-  double stiffness = 0;             // of its whole length [N/m]
-  double damping = 0;               // [s/m]
-  int account = none;
-  // The link whose coordinate takes up the rope, and the length per angle of it; none: there is no drum [m].
-  LinkIndex drum = none;
-  double per_angle = 0;
-  int drum_body = none;  // body of the scene that is the drum
-
-  bool has_drum() const { return drum != none; }
-  // Its tension then depends on the coordinate of the drum only.
-  bool is_between_drum_and_ground() const {
-    return has_drum() &&
-           std::all_of(points.begin(), points.end(), [](const PointOnBody& p) { return p.link == 0; });
-  }
-};
-
-// See scene::Bushing; the frames coincide with the world's axes at zero coordinates.
-struct BushingOnLinks {
-  std::string name;
-  PointOnBody a, b;
-  Matrix6d stiffness, damping;
-  int account = none;
-};
-
-// The force of a road on a wheel, see scene::Tyre. Its first-order states are the deflections of the
-// tread (forces/tyre.hpp).
-struct TyreOnLink {
-  std::string name;
-  PointOnBody centre;                             // of the wheel
-  Vector3d axle = Vector3d::UnitY();              // link axes
-  Vector3d normal = Vector3d::UnitZ();            // of a plane road; of another upwards; world axes
-  double height = 0;                              // of a plane along the normal, from Model::origin [m]
-  std::shared_ptr<const Road> road{};             // null: the plane
-  double radius = 0, stiffness = 0, damping = 0;  // [m], [N/m], [N s/m]
-  double friction = 0;
-  double slip_stiffness = 0, cornering_stiffness = 0;  // over the load
-  double relaxation_x = 0, relaxation_y = 0;           // [m]
-  double rolling_resistance = 0;
-  double patch = 0;  // length of contact [m]
-  int state = 0;     // the first of two
-  int account = none;
-};
-
 // The size of a force as a function of a joint coordinate or its rate, see scene::JointFunction.
 struct SizeOverJoint {
   LinkIndex link = 0;
   bool of_rate = false;
   PeriodicCurve curve;
-};
-
-// A force or torque of given direction, see scene::BodyLoad.
-struct LoadOnLink {
-  PointOnBody at;
-  Vector3d direction;  // link axes if the load follows the link, else world axes
-  bool torque = false, follows = false;
-  MotionFunction size;
-  std::optional<SizeOverJoint> over = {};  // instead of `size`
-  int account = none;
 };
 
 // Force or torque on one joint coordinate.
@@ -166,6 +98,8 @@ struct InputRange {
   std::string of;  // in the user's words
 };
 
+class ForceElement;
+
 struct Model {
   Vector3d gravity = Vector3d::Zero();  // [m/s2]
   std::vector<Link> links;              // parent before child (links); [0] is the ground
@@ -185,18 +119,17 @@ struct Model {
   std::vector<SceneJoint> joints;  // in the order of the scene (joints)
   std::vector<int> outward;        // bodies, inboard before outboard
   std::vector<int> boundary;       // bodies with walls of the particle side, ascending
-  std::vector<Spring> springs;
-  std::vector<RopeOnLinks> ropes;
-  std::vector<TyreOnLink> tyres;
-  std::vector<BushingOnLinks> bushings;
-  std::vector<LoadOnLink> loads;
+  // Springs, bushings, ropes, loads, motors, cylinders, tyres, in the order of sums
+  // (forces/force_element.hpp).
+  std::vector<std::shared_ptr<const ForceElement>> forces;
   std::vector<JointForce> joint_forces;
-  std::vector<int> stops;              // joint forces with limits on a free coordinate, index in joint_forces
-  std::vector<int> stictions;          // joint forces with stiction on a free coordinate, likewise
-  std::vector<MotionFunction> drives;  // torque or force of actuators, signals of elements over time
-  int inputs = 0;                      // number of values that a controller sets
+  std::vector<int> stops;      // joint forces with limits on a free coordinate, index in joint_forces
+  std::vector<int> stictions;  // joint forces with stiction on a free coordinate, likewise
+  // Forces and torques of loads and actuators, and signals of elements over time; which of them are forces.
+  std::vector<MotionFunction> drives;
+  std::vector<bool> drive_is_force;
+  int inputs = 0;  // number of values that a controller sets
   std::vector<InputRange> input_ranges;
-  std::vector<Element> elements;
   BodyContactModel contact;  // between bodies
   // Number of scene::elements_of(): each force, coupler, joint and output of contacts among them has an
   // index, its account, under which its work and its losses are recorded.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/error.hpp"
+#include "mbd_server/forces/force_element.hpp"
 #include "mbd_server/setup/placement.hpp"
 
 namespace tandem::mbd {
@@ -99,9 +100,8 @@ class Builder {
     place_joints();
     number_coordinates();
     place_closures(place_, model_);
-    place_forces(place_, model_);
     place_contacts(place_, meshes_, model_);
-    place_roads(scene_, model_);
+    place_forces(place_, model_);
     find_boundary();
     resolve_functions();
     find_breaks();
@@ -327,13 +327,8 @@ class Builder {
       if (link.motion != none)
         model_.motions[static_cast<std::size_t>(link.motion)].resolve(step, steps, Use::coordinate,
                                                                       rotates(link.kind) ? 1 : model_.size);
-    std::vector<bool> is_force(model_.drives.size(), false);
-    for (const JointForce& force : model_.joint_forces)
-      if (force.drive != none) is_force[static_cast<std::size_t>(force.drive)] = true;
-    for (std::size_t i = 0; i < is_force.size(); ++i)
-      model_.drives[i].resolve(step, steps, is_force[i] ? Use::force : Use::signal, HUGE_VAL);
-    for (LoadOnLink& load : model_.loads)
-      if (!load.over) load.size.resolve(step, steps, Use::force, HUGE_VAL);
+    for (std::size_t i = 0; i < model_.drives.size(); ++i)
+      model_.drives[i].resolve(step, steps, model_.drive_is_force[i] ? Use::force : Use::signal, HUGE_VAL);
   }
 
   void find_breaks() {
@@ -343,7 +338,6 @@ class Builder {
     };
     for (const MotionFunction& motion : model_.motions) add(motion);
     for (const MotionFunction& drive : model_.drives) add(drive);
-    for (const LoadOnLink& load : model_.loads) add(load.size);
     std::erase_if(breaks, [](double t) { return t <= time_resolution(0); });
     std::sort(breaks.begin(), breaks.end());
   }
@@ -356,20 +350,10 @@ class Builder {
                       return f.viscous.present() || f.friction ||
                              (f.limits && (f.limits->damping != 0 || f.limits->restitution.value_or(1) < 1));
                     }) ||
-        std::any_of(model_.elements.begin(), model_.elements.end(),
-                    [](const Element& e) {
-                      return e.damping != 0 || e.friction || std::holds_alternative<Hydraulics>(e.law) ||
-                             (e.ends && e.ends->damping != 0);
-                    }) ||
-        std::any_of(model_.springs.begin(), model_.springs.end(),
-                    [](const Spring& s) { return s.viscous.present(); }) ||
-        std::any_of(model_.bushings.begin(), model_.bushings.end(),
-                    [](const BushingOnLinks& b) { return !b.damping.isZero(0); }) ||
-        std::any_of(model_.ropes.begin(), model_.ropes.end(),
-                    [](const RopeOnLinks& r) { return r.damping != 0; }) ||
-        !model_.contact.empty() || !model_.tyres.empty();
-    model_.powered = !model_.loads.empty() || !model_.drives.empty() || model_.inputs > 0 ||
-                     !model_.elements.empty() ||
+        std::ranges::any_of(model_.forces, [](const auto& f) { return f->dissipates(); }) ||
+        !model_.contact.empty();
+    model_.powered = !model_.drives.empty() || model_.inputs > 0 ||
+                     std::ranges::any_of(model_.forces, [](const auto& f) { return f->gives_energy(); }) ||
                      std::any_of(model_.joint_forces.begin(), model_.joint_forces.end(),
                                  [](const JointForce& f) { return f.over.has_value(); });
     const auto hear = [&](const MotionFunction& f) {
@@ -377,7 +361,6 @@ class Builder {
     };
     for (const MotionFunction& motion : model_.motions) hear(motion);
     for (const MotionFunction& drive : model_.drives) hear(drive);
-    for (const LoadOnLink& load : model_.loads) hear(load.size);
     // Centrifugal and gyroscopic terms arise where a rotating link has another joint inboard or outboard,
     // or where a link rotates about more than one axis.
     std::vector<int> depth(model_.links.size(), 0);

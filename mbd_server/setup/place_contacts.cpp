@@ -370,51 +370,11 @@ void place_contacts(const Placement& placement, const std::vector<NamedMesh>& me
     for (int b = 0; b < count; ++b) model.contact.laws.push_back(placer.law(a, b));
 }
 
-namespace {
-
-// As the scene's check of a plane road.
-void expect_above(const TyreOnLink& tyre, const Vector3d& centre, const std::string& path) {
-  const std::optional<Road::Place> place = tyre.road->below(centre, tyre.normal);
-  if (!place || place->from_behind) return;
-  const double height = place->normal.dot(centre - place->point) / place->normal.dot(tyre.normal);
-  if (!(height > 0.5 * tyre.radius))
-    throw Error(ErrorCode::scene,
-                fmt::format("the centre of the wheel of tyre \"{}\" is {:.4g} m above road \"{}\" at the "
-                            "start, less than half of the radius of {:.4g} m",
-                            tyre.name, height, place->surface->name, tyre.radius),
-                path + ".radius", "give the radius in metres, and place the wheel on the road");
-}
-
-}  // namespace
-
 double largest_contact_shape(const scene::Scene& scene, const std::vector<NamedMesh>& meshes) {
   double largest = 0;
   for (const scene::Shape& shape : scene.shapes)
     if (shape.use == scene::ShapeUse::contact) largest = std::max(largest, diameter(scene, shape, meshes));
   return largest;
-}
-
-// The ground's shapes are the first ones, in their order.
-void place_roads(const scene::Scene& scene, Model& model) {
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < scene.mbd->forces.size(); ++i) {
-    const auto* from = std::get_if<scene::Tyre>(&scene.mbd->forces[i]);
-    if (!from) continue;
-    TyreOnLink& tyre = model.tyres[next++];
-    if (from->road.empty()) continue;
-    const auto road = std::make_shared<Road>();
-    for (const std::string& name : from->road) {
-      const auto& ground = scene.contact->ground;
-      const auto index =
-          static_cast<int>(std::ranges::find(ground, name, &scene::Shape::name) - ground.begin());
-      const ContactShape& shape = model.contact.shape(index);
-      road->surfaces.push_back({name, shape.mesh, shape.centre, shape.axes.col(2), index});
-    }
-    tyre.road = road;
-    const scene::Joint& joint = scene.mbd->joints[from->joint.value];
-    expect_above(tyre, to_eigen(joint.child_position.value_or(joint.position)) - model.origin,
-                 "mbd.forces[" + std::to_string(i) + "]");
-  }
 }
 
 }  // namespace tandem::mbd

@@ -2,9 +2,23 @@
 #include <algorithm>
 
 #include "common/scene/columns.hpp"
+#include "mbd_server/forces/drive.hpp"
+#include "mbd_server/forces/element_force.hpp"
+#include "mbd_server/forces/hydraulics.hpp"
 #include "mbd_server/setup/placement.hpp"
 
 namespace tandem::mbd {
+
+int add_first_order_state(Model& model, double start, double scale, const std::string& what) {
+  const Eigen::Index n = model.first_states.size();
+  model.first_states.conservativeResize(n + 1);
+  model.state_scale.conservativeResize(n + 1);
+  model.first_states[n] = start;
+  model.state_scale[n] = scale;
+  model.state_names.push_back(what);
+  return static_cast<int>(n);
+}
+
 namespace {
 
 int index_of(const std::string& input, const std::vector<std::string>& inputs) {
@@ -22,6 +36,7 @@ Signal signal(const scene::Motion& motion, const std::string& input, const std::
   const bool smooth =
       of == SignalOf::coordinate && table && table->interpolation == scene::Interpolation::monotone;
   model.drives.emplace_back(motion, smooth ? scene::FunctionOf::coordinate : scene::FunctionOf::force);
+  model.drive_is_force.push_back(false);
   return {.drive = static_cast<int>(model.drives.size()) - 1, .input = none};
 }
 
@@ -44,13 +59,8 @@ Drive controlled(const scene::Gains& gains, Drive::Of of) {
 }
 
 void add_state(Element& element, double start, double scale, const std::string& what, Model& model) {
-  const Eigen::Index n = model.first_states.size();
-  if (element.states++ == 0) element.state = static_cast<int>(n);
-  model.first_states.conservativeResize(n + 1);
-  model.state_scale.conservativeResize(n + 1);
-  model.first_states[n] = start;
-  model.state_scale[n] = scale;
-  model.state_names.push_back(what + " of " + element.name);
+  const int index = add_first_order_state(model, start, scale, what + " of " + element.name);
+  if (element.states++ == 0) element.state = index;
 }
 
 // The scale of an integral is that of its quantity in a second, that of a filtered error that of the
@@ -99,8 +109,8 @@ void place_element(const scene::Motor& motor, int account, const std::vector<std
     }
   }
   add_states(element, drive, 1, model);
-  element.law = drive;
-  model.elements.push_back(std::move(element));
+  element.law = std::make_shared<Drive>(drive);
+  model.forces.push_back(make_force(std::move(element)));
 }
 
 void place_element(const Placement& placement, const scene::Cylinder& cylinder, int account,
@@ -132,16 +142,16 @@ void place_element(const Placement& placement, const scene::Cylinder& cylinder, 
     add_state(element, data.pressure_a.value_or(oil.tank), oil.supply, "pressure in chamber a", model);
     add_state(element, data.pressure_b.value_or(oil.tank), oil.supply, "pressure in chamber b", model);
     limit_input(element.signal, -1, "the valve of " + element.name, model);
-    element.law = oil;
+    element.law = std::make_shared<Hydraulics>(oil);
   } else {
     Drive drive;
     if (cylinder.control == scene::CylinderControl::stroke)
       drive = controlled(cylinder.gains, Drive::Of::position);
     if (cylinder.max_force) drive.limit = *cylinder.max_force;
     add_states(element, drive, model.size, model);
-    element.law = drive;
+    element.law = std::make_shared<Drive>(drive);
   }
-  model.elements.push_back(std::move(element));
+  model.forces.push_back(make_force(std::move(element)));
 }
 
 }  // namespace tandem::mbd

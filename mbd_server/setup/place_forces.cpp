@@ -2,7 +2,13 @@
 
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
+#include "mbd_server/forces/body_load.hpp"
+#include "mbd_server/forces/bushing.hpp"
+#include "mbd_server/forces/gas_spring.hpp"
 #include "mbd_server/forces/joint_force.hpp"
+#include "mbd_server/forces/rope.hpp"
+#include "mbd_server/forces/spring_damper.hpp"
+#include "mbd_server/forces/tyre.hpp"
 #include "mbd_server/setup/placement.hpp"
 
 namespace tandem::mbd {
@@ -20,15 +26,24 @@ struct Placer {
   int account;
   const std::vector<std::string>& inputs;
 
+  template <class Data>
+  void add(Data data) const {
+    model.forces.push_back(make_force(std::move(data)));
+  }
+  int add_force_over_time(const scene::Motion& size) const {
+    model.drives.emplace_back(size, scene::FunctionOf::force);
+    model.drive_is_force.push_back(true);
+    return static_cast<int>(model.drives.size()) - 1;
+  }
+
   SizeOverJoint over_joint(const scene::JointFunction& f) const {
     return {model.joints.at(f.joint.value).coordinate_link, f.of_rate,
             PeriodicCurve(f.table.arguments, f.table.values, f.period, PeriodicCurve::Smoothness::slope)};
   }
 
   void operator()(const scene::SpringDamper& f) const {
-    model.springs.push_back({f.name, at.point(model, f.body_a, f.point_a),
-                             at.point(model, f.body_b, f.point_b), ForceLaw(f.stiffness, f.table),
-                             ForceLaw(f.damping, f.damping_table), f.length, account});
+    add(Spring{f.name, at.point(model, f.body_a, f.point_a), at.point(model, f.body_b, f.point_b),
+               ForceLaw(f.stiffness, f.table), ForceLaw(f.damping, f.damping_table), f.length, account});
   }
   void operator()(const scene::RotationalSpringDamper& f) const {
     const SceneJoint& joint = model.joints.at(f.joint.value);
@@ -45,19 +60,18 @@ struct Placer {
     force.viscous = ForceLaw(f.damping, f.damping_table);
   }
   void operator()(const scene::Bushing& f) const {
-    model.bushings.push_back({f.name, at.point(model, f.body_a, f.position),
-                              at.point(model, f.body_b, f.position), matrix(f.stiffness), matrix(f.damping),
-                              account});
+    add(BushingOnLinks{f.name, at.point(model, f.body_a, f.position), at.point(model, f.body_b, f.position),
+                       matrix(f.stiffness), matrix(f.damping), account});
   }
   void operator()(const scene::Rope& f) const {
-    RopeOnLinks& rope = model.ropes.emplace_back();
+    RopeOnLinks rope;
     rope.name = f.name;
     rope.account = account;
     for (const scene::RopePoint& p : f.points) rope.points.push_back(at.point(model, p.body, p.point));
     rope.length = f.length;
     rope.stiffness = f.axial_stiffness / f.length;
     rope.damping = f.damping;
-    if (!f.drum) return;
+    if (!f.drum) return add(std::move(rope));
     rope.drum = model.joints.at(f.drum->value).coordinate_link;
     rope.per_angle = scene::drum_lead(f, at.scene.mbd->joints).per_angle;
     rope.drum_body = model.joints.at(f.drum->value).child;
@@ -65,14 +79,21 @@ struct Placer {
       if (p.link == rope.drum)
         throw Error(ErrorCode::scene, "rope \"" + f.name + "\" has a point that turns with its drum", where,
                     "give points of bodies that are not fixed to the drum");
+    add(std::move(rope));
   }
   void operator()(const scene::BodyLoad& f) const {
     const bool torque = f.kind == scene::BodyLoad::Kind::torque;
     const Vec3d point = torque ? at.scene.mbd->bodies[f.body.value].pose.p_WB : f.point;
-    model.loads.push_back({at.point(model, f.body, point), to_eigen(f.direction).normalized(), torque,
-                           f.follows, MotionFunction(f.size, scene::FunctionOf::force)});
-    model.loads.back().account = account;
-    if (f.over) model.loads.back().over = over_joint(*f.over);
+    LoadOnLink load{.at = at.point(model, f.body, point),
+                    .direction = to_eigen(f.direction).normalized(),
+                    .torque = torque,
+                    .follows = f.follows,
+                    .account = account};
+    if (f.over)
+      load.over = over_joint(*f.over);
+    else
+      load.drive = add_force_over_time(f.size);
+    add(std::move(load));
   }
   void operator()(const scene::Actuator& f) const {
     JointForce& force = model.joint_forces.emplace_back();
@@ -87,12 +108,11 @@ struct Placer {
       force.input = static_cast<int>(found - inputs.begin());
       return;
     }
-    force.drive = static_cast<int>(model.drives.size());
-    model.drives.emplace_back(f.size, scene::FunctionOf::force);
+    force.drive = add_force_over_time(f.size);
   }
   void operator()(const scene::Tyre& f) const {
     const scene::Joint& joint = at.scene.mbd->joints[f.joint.value];
-    TyreOnLink& tyre = model.tyres.emplace_back();
+    TyreOnLink tyre;
     tyre.name = f.name;
     tyre.account = account;
     tyre.centre = at.point(model, joint.child, joint.child_position.value_or(joint.position));
@@ -107,14 +127,28 @@ struct Placer {
     tyre.relaxation_y = f.lateral_relaxation_length.value_or(f.relaxation_length);
     tyre.rolling_resistance = f.rolling_resistance;
     tyre.patch = f.patch_length;
-    tyre.state = static_cast<int>(model.first_states.size());
-    model.first_states.conservativeResize(tyre.state + 2);
-    model.state_scale.conservativeResize(tyre.state + 2);
-    model.first_states.tail<2>().setZero();
-    model.state_scale.tail<2>() << tyre.relaxation_x, tyre.relaxation_y;
-    for (const char* way : {"along", "across"})
-      model.state_names.push_back(std::string("deflection ") + way + " of the tread of tyre \"" + f.name +
-                                  "\"");
+    const std::string tread = " of the tread of tyre \"" + f.name + "\"";
+    tyre.state = add_first_order_state(model, 0, tyre.relaxation_x, "deflection along" + tread);
+    add_first_order_state(model, 0, tyre.relaxation_y, "deflection across" + tread);
+    place_road(at.scene, f, where, model, tyre);
+    add(std::move(tyre));
+  }
+  void operator()(const scene::GasSpring& f) const {
+    GasSpring gas;
+    gas.area = f.piston_area, gas.volume = f.volume, gas.exponent = f.exponent;
+    gas.pressure = f.pressure, gas.ambient = f.ambient_pressure, gas.leakage = f.leakage;
+    Element element;
+    element.name = "gas spring \"" + f.name + "\"";
+    element.account = account;
+    element.a = at.point(model, f.body_a, f.point_a), element.b = at.point(model, f.body_b, f.point_b);
+    element.length = norm(f.point_b - f.point_a);
+    element.damping = f.damping, element.ends = f.limits;
+    if (f.leakage > 0) {
+      element.state = add_first_order_state(model, 1, 1, "share of gas in " + element.name);
+      element.states = 1;
+    }
+    element.law = std::make_shared<GasSpring>(gas);
+    add(std::move(element));
   }
   void operator()(const scene::Motor& f) const { place_element(f, account, inputs, model); }
   void operator()(const scene::Cylinder& f) const { place_element(at, f, account, inputs, model); }
@@ -187,6 +221,7 @@ void place_forces(const Placement& placement, Model& model) {
     std::visit(
         Placer{placement, model, "mbd.forces[" + std::to_string(f) + "]", placement.of_force[f], inputs},
         forces[f]);
+  std::ranges::stable_sort(model.forces, {}, [](const auto& force) { return force->order().forces; });
 }
 
 }  // namespace tandem::mbd

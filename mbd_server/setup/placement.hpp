@@ -5,6 +5,7 @@
 
 #include "common/geometry/triangle_mesh.hpp"
 #include "common/scene/element_columns.hpp"
+#include "mbd_server/forces/tyre_data.hpp"
 #include "mbd_server/model/model.hpp"
 #include "mbd_server/setup/topology.hpp"
 
@@ -30,13 +31,17 @@ struct Placement {
 
 // Parts of build_model(); they need the links, bodies and joints of the model.
 void place_closures(const Placement& placement, Model& model);
-void place_forces(const Placement& placement, Model& model);
 // `meshes`: as of build_model().
 void place_contacts(const Placement& placement, const std::vector<NamedMesh>& meshes, Model& model);
+void place_forces(const Placement& placement, Model& model);  // after the contacts, which have the roads
 // Diameter of a sphere about the largest shape by which a body touches others [m]; 0: there is none.
 double largest_contact_shape(const scene::Scene& scene, const std::vector<NamedMesh>& meshes);
-// After the contacts, whose shapes the roads are.
-void place_roads(const scene::Scene& scene, Model& model);
+// The road of a tyre on shapes of the ground, which place_contacts() has placed. `path`: of the tyre in the
+// scene.
+void place_road(const scene::Scene& scene, const scene::Tyre& from, const std::string& path,
+                const Model& model, TyreOnLink& tyre);
+// Adds a state of first order; `what`: its name in messages. Returns its index.
+int add_first_order_state(Model& model, double start, double scale, const std::string& what);
 void add_stiction(Model& model);
 // `inputs`: names of the control inputs.
 void place_element(const scene::Motor& motor, int account, const std::vector<std::string>& inputs,

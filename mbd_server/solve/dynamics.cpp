@@ -22,12 +22,7 @@ Dynamics::Dynamics(const Model& model)
       links_(model.links.size()),
       loads_(model.links.size()),
       applied_(model.links.size()),
-      springs_(model.springs.size()),
-      bushings_(model.bushings.size()),
-      ropes_(model.ropes.size()),
-      tyres_(model.tyres.size()),
-      elements_(model.elements.size()),
-      cylinders_(model.elements.size()),
+      matrix_order_(order_in_matrix(model)),
       z_(model.first_states),
       zdot_(VectorXd::Zero(z_.size())),
       equations_(static_cast<std::size_t>(model.equations)),
@@ -35,10 +30,11 @@ Dynamics::Dynamics(const Model& model)
       joint_stiffness_(residual_),
       joint_damping_(residual_) {
   lambda_.setZero(model.equations);
-  for (const Element& e : model.elements) {
-    if (e.rotor == 0) continue;
+  for (const auto& force : model.forces) {
+    forces_.push_back(force->clone());
+    if (force->rotor() == 0) continue;
     if (rotors_.size() == 0) rotors_.setZero(model.freedoms);
-    rotors_[model.links[e.link].u] += e.rotor;
+    rotors_[model.links[force->coordinate()].u] += force->rotor();
   }
   for (Load& load : loads_) load = {Matrix6d::Zero(), Vector6d::Zero()};
   for (VectorXd& phi : phi_) phi.setZero(model.equations);
@@ -49,10 +45,7 @@ void Dynamics::add_link_forces(const State& state, const VectorXd* driven) {
   kinetic_energy_ = 0;
   for (std::size_t i = 1; i < links_.size(); ++i) add_inertia(i);
   apply_loads(state);
-  apply_springs();
-  apply_ropes();
-  apply_elements(state);
-  apply_tyres(state);
+  apply_forces(state);
   apply_closures(state);
   apply_contacts(state);
 }
@@ -61,7 +54,6 @@ const VectorXd& Dynamics::local_forces(const State& state) {
   add_link_forces(state, nullptr);
   residual_.setZero();
   add_joint_forces(state);
-  add_motors(state);
   return residual_;
 }
 
@@ -75,7 +67,6 @@ const VectorXd& Dynamics::residual(const State& state, const VectorXd* driven) {
     if (link.parent > 0) loads_[link.parent].F += loads_[i].F;
   }
   add_joint_forces(state);
-  add_motors(state);
   return residual_;
 }
 
@@ -121,71 +112,32 @@ void Dynamics::apply_loads(const State& state) {
     const Vector6d load = state.load(static_cast<Eigen::Index>(b));
     apply(body.link, links_[body.link].point(body.p_LB), load.tail<3>(), load.head<3>());
   }
-  for (const LoadOnLink& load : model_.loads) {
-    const LinkMotion& link = links_[load.at.link];
-    const Vector3d p = link.point(load.at.p_LP);
-    const Vector3d f =
-        size_of(load, state, links_) * (load.follows ? link.R_WL * load.direction : load.direction);
-    const Vector3d zero = Vector3d::Zero();
-    if (!load.follows) {
-      apply(load.at.link, p, load.torque ? zero : f, load.torque ? f : zero);
-    } else if (load.at.link > 0) {
-      // It rotates with the link and so contributes nothing to D.
-      loads_[load.at.link].F -= wrench_at(p, load.torque ? zero : f, load.torque ? f : zero);
-    }
-  }
 }
 
-void Dynamics::apply_springs() {
-  for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const Spring& spring = model_.springs[s];
-    const SpringForce& f = springs_[s] = evaluate(spring, links_);
-    apply(spring.b.link, f.p_b, f.on_b, Vector3d::Zero());
-    apply(spring.a.link, f.p_a, -f.on_b, Vector3d::Zero());
+// Forces that rotate with their link contribute nothing to D.
+class Dynamics::Receiver final : public ForceReceiver {
+ public:
+  explicit Receiver(Dynamics& to) : to_(to) {}
+  void at_point(const PointOnBody& on, const Vector3d& p, const Vector3d& force,
+                const Vector3d& torque) override {
+    to_.apply(on.link, p, force, torque);
   }
-  for (std::size_t s = 0; s < bushings_.size(); ++s) {
-    const BushingOnLinks& bushing = model_.bushings[s];
-    const BushingForce& f = bushings_[s] = evaluate(bushing, links_);
-    const Vector6d wrench = wrench_at(f.p, f.on_b.head<3>(), f.on_b.tail<3>());
-    apply(bushing.b.link, wrench);
-    apply(bushing.a.link, -wrench);
+  void following(const PointOnBody& on, const Vector3d& p, const Vector3d& force,
+                 const Vector3d& torque) override {
+    if (on.link > 0) to_.loads_[on.link].F -= wrench_at(p, force, torque);
   }
-}
+  void wrench(const PointOnBody& on, const Vector6d& wrench) override { to_.apply(on.link, wrench); }
 
-void Dynamics::apply_ropes() {
-  const Vector3d zero = Vector3d::Zero();
-  for (std::size_t r = 0; r < ropes_.size(); ++r) {
-    const RopeOnLinks& rope = model_.ropes[r];
-    RopeForce& f = ropes_[r];
-    evaluate(rope, links_, f);
-    if (f.tension == 0) continue;
-    for (std::size_t k = 0; k < f.directions.size(); ++k) {
-      apply(rope.points[k].link, f.points[k], f.tension * f.directions[k], zero);
-      apply(rope.points[k + 1].link, f.points[k + 1], -f.tension * f.directions[k], zero);
-    }
-  }
-}
+ private:
+  Dynamics& to_;
+};
 
-void Dynamics::apply_elements(const State& state) {
-  for (std::size_t i = 0; i < elements_.size(); ++i) {
-    const Element& e = model_.elements[i];
-    const ElementArgument x = argument(e, links_);
-    const ElementValue& value = elements_[i] = evaluate(e, model_, state, x.s, x.v);
-    for (int k = 0; k < e.states; ++k) z_[e.state + k] = value.z[k], zdot_[e.state + k] = value.zdot[k];
-    if (!e.is_cylinder()) continue;
-    const SpringForce& f = cylinders_[i] = along_line(e, value, links_);
-    apply(e.b.link, f.p_b, f.on_b, Vector3d::Zero());
-    apply(e.a.link, f.p_a, -f.on_b, Vector3d::Zero());
-  }
-}
-
-// As for contacts, the whole change of the wrench is in its derivatives.
-void Dynamics::apply_tyres(const State& state) {
-  for (std::size_t i = 0; i < tyres_.size(); ++i) {
-    const TyreOnLink& tyre = model_.tyres[i];
-    const TyreForce& f = tyres_[i] = evaluate(tyre, state, links_);
-    z_.segment<2>(tyre.state) = f.w, zdot_.segment<2>(tyre.state) = f.w_rate;
-    apply(tyre.centre.link, f.wrench);
+void Dynamics::apply_forces(const State& state) {
+  Receiver receiver(*this);
+  for (const auto& force : forces_) {
+    force->evaluate({model_, state, links_});
+    force->add_forces(receiver);
+    force->write_states(z_, zdot_);
   }
 }
 
@@ -277,19 +229,6 @@ std::pair<LinkIndex, LinkIndex> Dynamics::links_of_contact(std::size_t k) const 
           model_.contact.shape(contacts_[k].feature.b).link};
 }
 
-// The rotor turns about the axis of its joint, relative to the parent; its own mass is part of the bodies.
-void Dynamics::add_motors(const State& state) {
-  for (std::size_t i = 0; i < elements_.size(); ++i) {
-    const Element& e = model_.elements[i];
-    if (e.is_cylinder()) continue;
-    const int u = model_.links[e.link].u;
-    residual_[u] += e.rotor * state.udot[u] - elements_[i].force;
-    kinetic_energy_ += 0.5 * e.rotor * state.u[u] * state.u[u];
-    joint_stiffness_[u] -= elements_[i].d_s;
-    joint_damping_[u] -= elements_[i].d_v;
-  }
-}
-
 void Dynamics::add_joint_forces(const State& state) {
   joint_stiffness_.setZero(), joint_damping_.setZero();
   for (const JointForce& f : model_.joint_forces) {
@@ -303,15 +242,6 @@ void Dynamics::add_joint_forces(const State& state) {
       joint_damping_[link.u + k] -= v.d_u;
     }
   }
-  for (std::size_t r = 0; r < ropes_.size(); ++r) {
-    const RopeOnLinks& rope = model_.ropes[r];
-    const int u = rope.has_drum() ? model_.links[rope.drum].u : none;
-    if (u == none) continue;
-    residual_[u] += rope.per_angle * ropes_[r].tension;
-    if (!rope.is_between_drum_and_ground()) continue;
-    joint_stiffness_[u] += rope.per_angle * rope.per_angle * ropes_[r].per_elongation;
-    joint_damping_[u] += rope.per_angle * rope.per_angle * ropes_[r].per_rate;
-  }
   for (const Closure& c : model_.closures) {
     if (!c.is_coupler()) continue;
     const EquationValue& e = equations_[c.first];
@@ -324,6 +254,8 @@ void Dynamics::add_joint_forces(const State& state) {
     if (model_.links[c.a].u != none) residual_[model_.links[c.a].u] += e.on_q_a * lambda;
     if (model_.links[c.b].u != none) residual_[model_.links[c.b].u] += e.on_q_b * lambda;
   }
+  CoordinateSums sums{residual_, joint_stiffness_, joint_damping_, kinetic_energy_};
+  for (const auto& force : forces_) force->add_to_coordinates({model_, state, links_}, sums);
 }
 
 }  // namespace tandem::mbd

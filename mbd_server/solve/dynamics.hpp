@@ -7,16 +7,13 @@
 // Works on buffers of fixed size: no call after the first one allocates.
 #pragma once
 
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "mbd_server/constraints/equations.hpp"
 #include "mbd_server/contact/contact_force.hpp"
-#include "mbd_server/forces/bushing.hpp"
-#include "mbd_server/forces/element_force.hpp"
-#include "mbd_server/forces/rope.hpp"
-#include "mbd_server/forces/spring_damper.hpp"
-#include "mbd_server/forces/tyre.hpp"
+#include "mbd_server/forces/force_element.hpp"
 #include "mbd_server/kinematics/kinematics.hpp"
 #include "mbd_server/solve/linearisation.hpp"
 #include "mbd_server/state/system.hpp"
@@ -88,12 +85,9 @@ class Dynamics {
   void apply(LinkIndex link, const Vector3d& p, const Vector3d& force, const Vector3d& torque);
   void apply(LinkIndex link, const Vector6d& wrench);
   void mark_applied(LinkIndex link);
+  class Receiver;
   void apply_loads(const State& state);
-  void apply_springs();
-  void apply_ropes();
-  void apply_elements(const State& state);
-  void apply_tyres(const State& state);
-  void add_motors(const State& state);
+  void apply_forces(const State& state);
   void apply_closures(const State& state);
   void apply_contacts(const State& state);
   void keep_contacts_of_motions(const State& state);
@@ -102,7 +96,7 @@ class Dynamics {
   bool needs_velocity_gradient(const MatrixWeights& weights) const;
   void linearise_forces(const MatrixWeights& weights, Linearisation& out) const;
   void linearise_contacts(const MatrixWeights& weights, Linearisation& out) const;
-  void linearise_tension(std::size_t rope, const MatrixWeights& weights, Linearisation& out) const;
+  void linearise_closures(const MatrixWeights& weights, ForceDerivatives& to, Linearisation& out) const;
   void linearise_sizes(const MatrixWeights& weights, Linearisation& out) const;
 
   const Model& model_;
@@ -111,12 +105,8 @@ class Dynamics {
   // Change of the applied loads per displacement of the link, less their rotation with it; valid where a
   // load is applied (links).
   std::vector<Matrix6d> applied_;
-  std::vector<SpringForce> springs_;    // (springs)
-  std::vector<BushingForce> bushings_;  // (bushings)
-  std::vector<RopeForce> ropes_;        // (ropes)
-  std::vector<TyreForce> tyres_;        // (tyres)
-  std::vector<ElementValue> elements_;  // (elements)
-  std::vector<SpringForce> cylinders_;  // valid for cylinders (elements)
+  std::vector<std::unique_ptr<ForceElement>> forces_;  // copies of those of the model (forces)
+  std::vector<std::size_t> matrix_order_;              // see order_in_matrix() (forces)
   // Points in contact at the last residual(), and their pairs of moving links, sorted.
   std::vector<ContactPoint> contacts_;
   std::vector<std::pair<LinkIndex, LinkIndex>> moving_contacts_;

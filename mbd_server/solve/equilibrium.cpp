@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
-#include "mbd_server/forces/drive.hpp"
+#include "mbd_server/forces/element_force.hpp"
 #include "mbd_server/solve/modes.hpp"
 
 namespace tandem::mbd {
@@ -18,6 +18,7 @@ class EquilibriumSearch {
       : model_(model),
         system_(system),
         state_(state),
+        elements_(forces_of<Element>(model)),
         zero_(VectorXd::Zero(model.freedoms)),
         way_(zero_),
         dx_(zero_),
@@ -148,18 +149,7 @@ class EquilibriumSearch {
   bool has_states() const { return state_.z.size() > 0; }
 
   void expect_states_that_rest() const {
-    for (const Element& e : model_.elements) {
-      const auto* drive = std::get_if<Drive>(&e.law);
-      const double target = drive ? signal_of(e, model_, state_) : 0;
-      if (drive && !can_rest(*drive, {target, 0}))
-        throw Error(ErrorCode::scene,
-                    fmt::format("the integral of {} grows without end in an equilibrium: its target at the "
-                                "start is {:.6g} rad/s, and the machine is at rest",
-                                e.name, target),
-                    "mbd.start",
-                    "let the target begin at 0, limit the torque (max_torque), leave out the integral, or "
-                    "leave out mbd.start = \"equilibrium\"");
-    }
+    for (const Element* e : elements_) e->law->expect_rest(input_of(*e, model_, state_));
   }
 
   void begin_states() {
@@ -167,9 +157,10 @@ class EquilibriumSearch {
     system_.residual(state_);
     state_.at_rest = true;
     state_.z_weight = 0;
-    for (const Element& e : model_.elements) {
-      const StatesOfElement kept = kept_at_rest(e, argument(e, system_.links()).s, states_of(e, state_.z));
-      for (int k = 0; k < e.states; ++k) state_.z_known[e.state + k] = kept[k];
+    for (const Element* e : elements_) {
+      const StatesOfElement kept =
+          e->law->kept_at_rest(argument(*e, system_.links()).s, states_of(*e, state_.z));
+      for (int k = 0; k < e->states; ++k) state_.z_known[e->state + k] = kept[k];
     }
   }
 
@@ -184,8 +175,8 @@ class EquilibriumSearch {
   // The multipliers at the end of the last iteration are those at the begin of the next.
   void keep_multipliers() {
     const VectorXd& z = system_.states();
-    for (const Element& e : model_.elements)
-      if (has_multiplier_at_rest(e)) state_.z_known[e.state] = z[e.state];
+    for (const Element* e : elements_)
+      if (e->law->has_multiplier_at_rest()) state_.z_known[e->state] = z[e->state];
   }
 
   // Rates of the states at the last residual() [1/s]: errors of the coordinates that integrals control.
@@ -255,6 +246,7 @@ class EquilibriumSearch {
   const Model& model_;
   MachineSystem& system_;
   State& state_;
+  std::vector<const Element*> elements_;
   State before_;
   double state_step_ = 0;   // of z' = error in the next iteration [s]
   bool uphill_ = false;     // whether the last correction went against the forces

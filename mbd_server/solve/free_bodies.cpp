@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "mbd_server/forces/force_element.hpp"
+
 namespace tandem::mbd {
 namespace {
 
@@ -31,8 +33,8 @@ FreeBodies::FreeBodies(const Model& model, const Linearisation& blocks)
   for (const Connection& c : blocks.connections)
     for (int side = 0; side < c.sides(); ++side) bind(c.link(side));
   for (const JointForce& f : model.joint_forces) bind(f.link);
-  for (const Element& e : model.elements)
-    if (!e.is_cylinder()) bind(e.link);
+  for (const auto& force : model.forces)
+    if (force->coordinate() != none) bind(force->coordinate());
   std::vector<int> children(model.links.size(), 0);
   for (std::size_t i = 1; i < model.links.size(); ++i)
     ++children[static_cast<std::size_t>(model.links[i].parent)];

@@ -20,64 +20,16 @@
 #include <utility>
 #include <vector>
 
+#include "mbd_server/forces/connection.hpp"
 #include "mbd_server/model/model.hpp"
 
 namespace tandem::mbd {
-
-using Matrix6x18d = Eigen::Matrix<double, 6, 18>;
-using Matrix18x3d = Eigen::Matrix<double, 18, 3>;
-using Matrix6x3d = Eigen::Matrix<double, 6, 3>;
 
 struct LinkBlocks {
   Matrix6x18d K;
   Matrix18x3d Y;  // the first columns, as many as the joint has freedoms; likewise below
   Matrix6x3d S, turn;
   Vector3d diag;
-};
-
-struct Connection {
-  LinkIndex a = 0, b = 0;
-  int size = 0;                   // of z, at most 6
-  bool soft = false;              // a force law; else a closure
-  bool direct = false;            // acts on the coordinates of its links themselves
-  int first = none;               // of a closure: index of its first multiplier in lambda
-  std::vector<LinkIndex> more{};  // further links, which all differ
-  bool by_neighbours = false;     // acts on a only, and depends on the motion of b and `more` only
-
-  int sides() const { return 2 + static_cast<int>(more.size()); }
-  LinkIndex link(int side) const {
-    return side == 0 ? a : (side == 1 ? b : more[static_cast<std::size_t>(side) - 2]);
-  }
-};
-
-// Entries between z and the coordinate of a link itself, of a direct connection.
-struct OnCoordinate {
-  double column = 0, row = 0;
-};
-
-// The side of a connection on one link.
-struct ConnectionSide {
-  Matrix6d C = Matrix6d::Zero();        // (6 x size)
-  Matrix6x18d R = Matrix6x18d::Zero();  // (size x 18)
-  OnCoordinate on_q;
-};
-
-struct ConnectionBlocks {
-  Matrix6d C_a, C_b;     // (6 x size)
-  Matrix6x18d R_a, R_b;  // (size x 18)
-  OnCoordinate on_q_a, on_q_b;
-  std::vector<ConnectionSide> more;  // of Connection::more
-
-  // By the number of the side: a, b, more.
-  Matrix6d& C(int side) {
-    return side == 0 ? C_a : (side == 1 ? C_b : more[static_cast<std::size_t>(side) - 2].C);
-  }
-  Matrix6x18d& R(int side) {
-    return side == 0 ? R_a : (side == 1 ? R_b : more[static_cast<std::size_t>(side) - 2].R);
-  }
-  OnCoordinate& on_q(int side) {
-    return side == 0 ? on_q_a : (side == 1 ? on_q_b : more[static_cast<std::size_t>(side) - 2].on_q);
-  }
 };
 
 // Changes of the wrench on the second link of a pair in contact of free bodies (free_bodies.hpp): per
@@ -87,9 +39,13 @@ struct ContactPairBlocks {
   Matrix6d by_first, by_second, by_velocity;
 };
 
-// The connections. The blocks of a link are computed when the elimination visits it
+// The force elements in the order in which they enter the matrix (forces).
+std::vector<std::size_t> order_in_matrix(const Model& model);
+
+// The connections: closures, then force elements, geometric stiffnesses and forces over a coordinate
+// elsewhere, at last contacts. The blocks of a link are computed when the elimination visits it
 // (Dynamics::linearise_link): stored for all links they would be most of the memory traffic of a step.
-struct Linearisation {
+struct Linearisation : ConnectedForces {
   explicit Linearisation(const Model& model);
   // Pairs of moving links in contact, sorted: the last of the connections, but for those of free bodies
   // (links).
@@ -104,23 +60,15 @@ struct Linearisation {
     int free_pair = none;  // of free bodies instead
   };
 
-  // Closures, then springs, cylinders, bushings and geometric stiffnesses between moving links.
-  std::vector<Connection> connections;
   int first_contact = 0;                      // index of the first connection of contacts
   std::vector<ContactPlace> contact_places;   // (pairs in contact)
   std::vector<ContactPairBlocks> free_pairs;  // (pairs in contact of free bodies)
-  std::vector<ConnectionBlocks> blocks;       // (connections)
-  // none: one end is on the ground; cylinder_connection (elements): also for motors; stiffness_connection:
-  // also where the closure has no geometric stiffness
-  std::vector<int> spring_connection, cylinder_connection, bushing_connection, stiffness_connection;
-  std::vector<int> tension_connection;            // (ropes)
-  std::vector<std::vector<int>> span_connection;  // (ropes, spans)
+  std::vector<std::vector<int>> of_forces;    // what ForceElement::connect() gave (forces)
+  // none: one end is on the ground, or the closure has no geometric stiffness (closures)
+  std::vector<int> stiffness_connection;
   // Of a size over a joint coordinate; none: the force acts on the coordinate itself, or on the ground, or
-  // the coordinate is prescribed.
-  std::vector<int> load_connection, joint_force_connection;
-  // Forces between a link and the ground: part of K.
-  std::vector<int> grounded_of;  // index in `grounded` (links); none: there is no such force
-  std::vector<Matrix6x18d> grounded;
+  // the coordinate is prescribed (joint forces).
+  std::vector<int> joint_force_connection;
 };
 
 }  // namespace tandem::mbd

@@ -99,15 +99,15 @@ double MachineSystem::curvature(const State& state) const {
 
 double MachineSystem::unseen(const State& begin, const State& end) const {
   double most = 0;
-  const auto look = [&](const std::optional<SizeOverJoint>& over) {
+  const auto look = [&](const SizeOverJoint* over) {
     if (!over) return;
     const CoordinateMotion x0 = coordinate_of(model_, begin, over->link),
                            x1 = coordinate_of(model_, end, over->link);
     most = std::max(
         most, over->of_rate ? over->curve.unseen(x0.rate, x1.rate) : over->curve.unseen(x0.value, x1.value));
   };
-  for (const LoadOnLink& load : model_.loads) look(load.over);
-  for (const JointForce& force : model_.joint_forces) look(force.over);
+  for (const auto& force : model_.forces) look(force->over());
+  for (const JointForce& force : model_.joint_forces) look(force.over ? &*force.over : nullptr);
   return most;
 }
 

@@ -122,8 +122,8 @@ int add_states(const Model& model, MachineSystem& system, const State& state, co
                const Eigen::LLT<MatrixXd>& mass, double w, MatrixXd& A) {
   const Eigen::Index m = N.cols();
   std::vector<const Element*> elements;
-  for (const Element& e : model.elements)
-    if (e.states > 0) elements.push_back(&e);
+  for (const Element* e : forces_of<Element>(model))
+    if (e->states > 0) elements.push_back(e);
   const Arguments by = arguments(model, system, state, elements);
   const MatrixXd to_coordinates = model.scale.asDiagonal() * N;
   const MatrixXd b = by.b * to_coordinates, b_rate = by.b_rate * to_coordinates;

@@ -77,18 +77,17 @@ struct NameOfForce {
     return f.table || f.damping_table ? "force:rotational_spring_damper_table"
                                       : "force:rotational_spring_damper";
   }
-  std::string operator()(const scene::Bushing&) const { return "force:bushing"; }
   std::string operator()(const scene::BodyLoad& f) const {
     return f.over ? "force:body_load_over_joint" : "force:body_load";
   }
-  std::string operator()(const scene::Rope&) const { return "force:rope"; }
   std::string operator()(const scene::Actuator& f) const {
     if (f.over) return "force:actuator_over_joint";
     return f.input.empty() ? "force:actuator" : "force:controlled_actuator";
   }
-  std::string operator()(const scene::Motor&) const { return "force:motor"; }
-  std::string operator()(const scene::Cylinder&) const { return "force:cylinder"; }
-  std::string operator()(const scene::Tyre&) const { return "force:tyre"; }
+  template <class Other>
+  std::string operator()(const Other&) const {
+    return std::string("force:") + Other::type;
+  }
 };
 
 struct NameOfShape {

@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
 #include "common/scene/element_columns.hpp"
+#include "common/scene/force_parts.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/plain_text.hpp"
 #include "particles/io/fill.hpp"
@@ -90,16 +91,7 @@ void SceneView::view_bodies() {
     if (body != ground) bound[body.value] = true;
   };
   for (const scene::Joint& joint : mbd.joints) bind(joint.parent), bind(joint.child);
-  for (const scene::Force& force : mbd.forces) {
-    if (const auto* spring = std::get_if<scene::SpringDamper>(&force))
-      bind(spring->body_a), bind(spring->body_b);
-    else if (const auto* bushing = std::get_if<scene::Bushing>(&force))
-      bind(bushing->body_a), bind(bushing->body_b);
-    else if (const auto* load = std::get_if<scene::BodyLoad>(&force))
-      bind(load->body);
-    else if (const auto* rope = std::get_if<scene::Rope>(&force))
-      for (const scene::RopePoint& point : rope->points) bind(point.body);
-  }
+  for (const BodyId body : scene::attached_to(mbd).bodies) bind(body);
   for (std::uint32_t b = 0; b < mbd.bodies.size(); ++b) {
     const scene::Body& body = mbd.bodies[b];
     const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;

@@ -7,15 +7,9 @@
 
 #include "common/math/vec3.hpp"
 #include "particles/base/thread_pool.hpp"
+#include "particles/io/packed_spheres.hpp"
 
 namespace tandem::particles {
-
-// Spheres that a packing moves, and those that it must not touch.
-struct PackedSpheres {
-  std::vector<Vec3d> position;  // of centres [m] (spheres x 3)
-  std::vector<double> radius;   // [m] (spheres)
-  std::size_t moving = 0;       // the first ones; the others stay where they are
-};
 
 // The boundary of the room. Both functions get a sphere, and are called by several threads at once.
 struct PackingBounds {

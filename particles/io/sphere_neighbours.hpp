@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "particles/base/thread_pool.hpp"
-#include "particles/io/packing.hpp"
+#include "particles/io/packed_spheres.hpp"
 
 namespace tandem::particles {
 

@@ -8,7 +8,8 @@
 #include <mutex>
 #include <vector>
 
-#include "protocol/dds/dds_channel.hpp"
+#include "protocol/channel.hpp"
+#include "protocol/dds/dds_options.hpp"
 #include "protocol/dds/entity.hpp"
 #include "protocol/dds/events.hpp"
 #include "protocol/dds/network.hpp"

@@ -4,7 +4,7 @@ from typing import List, Optional
 
 from tandem.entries import SceneError, nearest
 
-REDUCTIONS = ("last", "mean", "min", "max", "range", "period", "integral")
+REDUCTIONS = ("last", "mean", "rms", "mean_abs", "min", "max", "range", "period", "integral")
 
 
 def expect_reduction(of: str, end_time: Optional[float] = None) -> None:

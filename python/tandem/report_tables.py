@@ -121,7 +121,7 @@ def verdict_box(summary):
     if not lines:
         return ""
     rows = "".join(f"<li><b>{html.escape(line['rule'])}</b>: {html.escape(line['sentence'])}</li>" for line in lines)
-    title = "What makes this run suspect" if summary.get("status") == "suspect" else "What the verdict objects to besides"
+    title = "What makes this run suspect" if summary.get("status") == "suspect" else "Other findings"
     return f"<div class=suspect><b>{title}</b><ul>{rows}</ul></div>"
 
 
@@ -151,7 +151,7 @@ def verdict_note(summary):
         return ""
     judged = "No rule was judged."
     if verdict.get("judged"):
-        objects = "" if verdict.get("lines") else " None of them objects."
+        objects = "" if verdict.get("lines") else " All of them passed."
         judged = f"Rules that were judged: {', '.join(verdict['judged'])}.{objects}"
     others = "".join(f"<li>{html.escape(text)}</li>" for text in verdict.get("not_judged") or [])
     return (f"<h2>Verdict</h2><p class=note>{html.escape(judged)}</p>" +

@@ -220,7 +220,7 @@ class Results:
 
     def reduce(self, of: str) -> float:
         """One number: "COLUMN:REDUCTION", such as "mouth.flow:mean", "lift.force:max" or with a range of time "mouth.flow:mean:0.4:0.7"; or
-        "summary.KEY". Reductions: last (the default), mean, min, max, range, period, integral. Of a vector its length is taken."""
+        "summary.KEY". Reductions: last (the default), mean, rms, mean_abs, min, max, range, period, integral. Of a vector its length is taken."""
         column, *rest = of.split(":")
         if column.startswith("summary."):
             value: Any = self.summary

@@ -234,7 +234,7 @@ class Scene(Machine, Grains, Execution):
     def expect(self, name: str, of: str, expected: Any, tolerance: float, *, reduce: Optional[str] = None, start: Optional[float] = None,
                stop: Optional[float] = None, absolute: Optional[bool] = None, why: Optional[str] = None) -> Part:
         """A check that the run evaluates itself, and fails: `of` is a column ("hinge.q") or "summary.KEY", `reduce` one of "last", "mean",
-        "min", "max", "range", "period", from `start` to `stop` [s]."""
+        "rms", "mean_abs", "min", "max", "range", "period", from `start` to `stop` [s]."""
         keys: Dict[str, Any] = {"from": start, "to": stop}
         return self.add("checks", name=name, of=of, expected=expected, tolerance=tolerance, reduce=reduce, absolute=absolute, why=why, **keys)
 

@@ -24,7 +24,7 @@ class Signal(np.lib.mixins.NDArrayOperatorsMixin):
     """A result over time: `time` [s], `values` (rows, or rows x 3 of a vector), `unit`, `name`.
 
     It computes as an array: r["lift.force"] * r["lift.velocity"], numpy.abs(signal), signal[-1]. mean(0.4, 0.7) is the mean over time from
-    0.4 to 0.7 s; so are min(), max(), range(), last, integral(), at(t), period(). Checks of scenes have the same reductions."""
+    0.4 to 0.7 s; so are rms(), mean_abs(), min(), max(), range(), last(), integral(), at(t), period(). Checks of scenes have the same reductions."""
 
     def __init__(self, name: str, time, values, unit: str = "", axes: tuple = ()):
         self.name, self.time, self.values, self.unit, self.axes = name, time, values, unit, axes
@@ -66,6 +66,14 @@ class Signal(np.lib.mixins.NDArrayOperatorsMixin):
         """Mean over time, by the trapezoidal rule."""
         time, values = self._part(start, stop)
         return values[0] if len(time) == 1 else _trapezoid(values, time) / (time[-1] - time[0])
+
+    def rms(self, start: float = 0, stop: Optional[float] = None):
+        """Root of the mean square over time, by the trapezoidal rule."""
+        return Signal(self.name, self.time, self.values**2).mean(start, stop) ** 0.5
+
+    def mean_abs(self, start: float = 0, stop: Optional[float] = None):
+        """Mean of the absolute value over time, by the trapezoidal rule."""
+        return Signal(self.name, self.time, np.abs(self.values)).mean(start, stop)
 
     def integral(self, start: float = 0, stop: Optional[float] = None):
         """Integral over time, by the trapezoidal rule: of a power [W], the energy [J]."""

@@ -111,7 +111,7 @@ def expect_window(scene: Scene, window: float) -> None:
     for span, what in _whole_spans(scene):
         if _nanoseconds(span) % max(1, _nanoseconds(window)):
             fit = ", ".join(f"{each:g}" for each in windows(scene, scene.window)[1:])
-            raise SceneError(f"{what} of {span:.6g} s is no whole number of windows of {window:.6g} s", "--window",
+            raise SceneError(f"{what} of {span:.6g} s is not a whole multiple of the window of {window:.6g} s", "--window",
                              f"these fit: {fit}" if fit else "no longer one fits")
 
 

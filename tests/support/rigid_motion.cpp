@@ -28,8 +28,13 @@ void change(scene::SpringDamper& spring, const Change& c) {
   c.point(spring.point_a), c.point(spring.point_b);
   c.length(spring.length);
 }
-void change(scene::Cylinder& cylinder, const Change& c) {
-  c.point(cylinder.point_a), c.point(cylinder.point_b);
+// Between two points, without lengths of its own.
+template <class Force>
+requires requires(Force& f) {
+  f.point_a, f.point_b;
+}
+void change(Force& f, const Change& c) {
+  c.point(f.point_a), c.point(f.point_b);
 }
 void change(scene::Bushing& bushing, const Change& c) {
   c.point(bushing.position);

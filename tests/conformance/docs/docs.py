@@ -315,6 +315,9 @@ def declared_by_kit(root):
     features = (root / "participant/library/features.cpp").read_text()
     header = (root / "participant/include/tandem/participant.h").read_text()
     named = re.findall(r'(?:\breturn|\badd\(|[?:])\s*"([a-z_]+(?:[.:][a-z_]+)?)"', features)
+    forces = root / "common/scene/model_forces.hpp"
+    types = re.findall(r'constexpr const char\* type = "([a-z_]+)"', forces.read_text()) if forces.is_file() else []
+    named += [f"force:{name}" for name in types]
     return {
         "features": {name for name in named if not name.endswith(":unknown")},
         "capabilities": set(re.findall(r"^#define (TANDEM_CAN_\w+)", header, re.MULTILINE)),

@@ -4,7 +4,8 @@
 common <- protocol <- {mbd_server, dem_server, sph_server} <- launch, common <- particles <- {dem_server, sph_server, participant}, and participant <- launch: a part
 includes itself and the parts to its left. Tests include all.
 In a server only coupling/ and main.cpp include protocol/, in particles only serving/. In a server and in particles each folder is a layer that includes only itself
-and the layers below it. CUDA headers appear only in CUDA sources.
+and the layers below it. CUDA headers appear only in CUDA sources. No two modules include each other; a module is a header and the source
+of its name.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
 
@@ -93,9 +94,34 @@ def offence(root, path, quote, target):
     return None
 
 
+# Pairs of modules that still include each other: parts of one class in several headers, and features of contact.
+MUTUAL = {
+    ("dem_server/engine/engine_contacts", "dem_server/engine/engine_of"),
+    ("dem_server/engine/engine_of", "dem_server/engine/engine_ranks"),
+    ("dem_server/engine/engine_of", "dem_server/engine/engine_spheres"),
+    ("dem_server/engine/engine_of", "dem_server/engine/engine_sums"),
+    ("dem_server/engine/engine_of", "dem_server/engine/engine_tangents"),
+    ("mbd_server/contact/balls_on_mesh", "mbd_server/contact/mesh_features"),
+    ("mbd_server/contact/rim", "mbd_server/contact/touch"),
+}
+
+
+def module(path):
+    """Path without the suffix."""
+    return str(pathlib.PurePath(path).with_suffix(""))
+
+
+def mutual_offences(root, edges):
+    """`edges`: (module, included module) -> "FILE:LINE: #include ...". A pair of MUTUAL that is none any more has to go from the list."""
+    pairs = {tuple(sorted(edge)) for edge in edges if edge[::-1] in edges}
+    found = [f"{edges[a, b]}: {b} includes {a} too ({edges[b, a].split(': ')[0]})" for a, b in sorted(pairs - MUTUAL)]
+    stale = sorted((a, b) for a, b in MUTUAL - pairs if (root / f"{a}.hpp").is_file() or (root / f"{a}.cpp").is_file())
+    return found + [f"{a} and {b} no longer include each other: take them from MUTUAL" for a, b in stale]
+
+
 def offences(root):
     """All lines FILE:LINE that break the rule, and the number of includes read."""
-    found, count = [], 0
+    found, count, edges = [], 0, {}
     for part in BELOW:
         for path in sorted((root / part).rglob("*")):
             if suffix(path) not in SOURCES or not path.is_file():
@@ -106,10 +132,12 @@ def offences(root):
                 if not match:
                     continue
                 count += 1
+                if part != "tests" and (root / match[2]).is_file() and module(relative) != module(match[2]):
+                    edges.setdefault((module(relative), module(match[2])), f"{relative}:{number}: {line.strip()}")
                 why = offence(root, relative, *match.groups())
                 if why:
                     found.append(f"{relative}:{number}: {line.strip()}: {why}")
-    return found, count
+    return found + mutual_offences(root, edges), count
 
 
 def edges(root, part):

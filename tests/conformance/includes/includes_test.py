@@ -57,6 +57,16 @@ class Includes(unittest.TestCase):
         self.passes("mbd_server/main.cpp", '#include "protocol/b.hpp"')
         self.passes("dem_server/coupling/x.cpp", '#include "protocol/b.hpp"')
 
+    def test_mutual(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "common").mkdir()
+            (root / "common/m.hpp").write_text("#pragma once\n")
+            (root / "common/n.hpp").write_text('#include "common/m.hpp"\n')
+            self.assertEqual(offences(root)[0], [])
+            (root / "common/m.cpp").write_text('#include "common/m.hpp"\n#include "common/n.hpp"\n')
+            self.assertEqual(offences(root)[0], ['common/m.cpp:2: #include "common/n.hpp": common/n includes common/m too (common/n.hpp:1)'])
+
     def test_layers(self):
         self.caught("particles/base/x.hpp", '#include "particles/state/g.hpp"',
                     "layer base must not include state, which is above it")

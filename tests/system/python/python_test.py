@@ -239,7 +239,7 @@ class Softening(Case):
         start = ["--error", "25%", "--of"]
         for words, wanted in ((start + ["mouth.pased"], "did you mean 'mouth.passed'"), (start + ["mouth.flow:meen"], "did you mean 'mean'"),
                               (start + ["mouth"], "'mouth' is no column; it has 'mouth."), (["--of", "mouth.flow", "--error", "x"], "'x' is no error"),
-                              (start + ["mouth.flow", "--window", "0.03"], "no whole number of windows of 0.03 s"),
+                              (start + ["mouth.flow", "--window", "0.03"], "not a whole multiple of the window of 0.03 s"),
                               (start + ["mouth.flow", "--step", "0.6"], "above 0.4"), (start + ["mouth.flow", "--modulus", "1"], "no step up"),
                               (start + ["mouth.flow", "--set", "muoth=1"], "did you mean 'mouth'"),
                               (start + ["summary.lost_partikles"], "--of summary.lost_partikles: summary.json of this scene has no number 'lost_partikles' (did you mean"),

@@ -180,8 +180,8 @@ class ListOfRuns(FaultCase):
         _, status, _ = self.finish(first, 5)
         self.assertEqual(status, 130)
         self.assertEqual(len(list(self.out.glob("checkpoint/*/run.h5"))), 1)
-        self.assertIn("is no run in progress here", self.tandem("stop", self.out, expect=2))
-        self.assertIn("is no run in progress here", self.tandem("stop", second.pid, expect=2))
+        self.assertIn("no such run is in progress on this host", self.tandem("stop", self.out, expect=2))
+        self.assertIn("no such run is in progress on this host", self.tandem("stop", second.pid, expect=2))
         self.assertEqual(self.tandem("ps", "--forget-died"), "1 forgotten\nno runs\n")
 
 

@@ -387,11 +387,13 @@ const WrongScene wrong_dem[] = {
      "dem.outlets[0].region.normal: [0, 0, -2] has length 2, not 1 (the unit one is [0, 0, -1])"},
     {"OutletBoxBesideTheDomain",
      R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "box", "min": [500, 0, 0], "max": [501, 1, 1]}}]}])",
-     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the "
+     "dem.outlets[0].region: it does not intersect dem.domain, so that no sphere can leave through it (move "
+     "it into the "
      "domain; what leaves that counts as lost)"},
     {"OutletPlaneBelowTheDomain",
      R"([{"op": "add", "path": "/dem/outlets", "value": [{"name": "drain", "region": {"type": "plane", "point": [0, 0, -500], "normal": [0, 0, -1]}}]}])",
-     "dem.outlets[0].region: no place of dem.domain is in it, so that no sphere goes out (move it into the "
+     "dem.outlets[0].region: it does not intersect dem.domain, so that no sphere can leave through it (move "
+     "it into the "
      "domain; what leaves that counts as lost)"},
     {"InletInAnOutletBox",
      R"([{"op": "add", "path": "/dem/particles/-", "value": {"name": "rain", "material": "steel", "radius": 0.1, "fill": {"type": "inlet", "min": [0, 0, 1], "max": [1, 1, 2], "rate": 1}}},

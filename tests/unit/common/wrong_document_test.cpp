@@ -24,7 +24,7 @@ const WrongScene wrong_document[] = {
      "end_time: the value is 1e+12 (give a number from 1e-09 to 1e+09: simulated time, a whole number of "
      "windows [s])"},
     {"EndTimeNotWholeWindows", R"([{"op": "replace", "path": "/end_time", "value": 0.5005}])",
-     "end_time: 0.5005 s is no whole number of windows of 0.001 s (the nearest is 0.501 s)"},
+     "end_time: 0.5005 s is not a whole multiple of the window of 0.001 s (the nearest is 0.501 s)"},
     {"GravityAsNumber", R"([{"op": "replace", "path": "/gravity", "value": -9.81}])",
      "gravity: the value is -9.81 (give a list of 3 numbers: acceleration of gravity, world axes [m/s2])"},
     {"GravityOfTwoNumbers", R"([{"op": "replace", "path": "/gravity", "value": [0, -9.81]}])",
@@ -106,10 +106,12 @@ const WrongScene wrong_document[] = {
      "them)"},
     {"FrameIntervalNotWholeWindows",
      R"([{"op": "replace", "path": "/output/frame_interval", "value": 0.0015}])",
-     "output.frame_interval: 0.0015 s is no whole number of windows of 0.001 s (the nearest is 0.002 s)"},
+     "output.frame_interval: 0.0015 s is not a whole multiple of the window of 0.001 s (the nearest is 0.002 "
+     "s)"},
     {"FrameIntervalBelowANanosecond",
      R"([{"op": "replace", "path": "/output/frame_interval", "value": 1e-300}])",
-     "output.frame_interval: 1e-300 s is no whole number of windows of 0.001 s (the nearest is 0.001 s)"},
+     "output.frame_interval: 1e-300 s is not a whole multiple of the window of 0.001 s (the nearest is 0.001 "
+     "s)"},
     {"FrameIntervalBelowTheShortestWindow",
      R"([{"op": "add", "path": "/coupling/adaptive", "value": {"min_window": 1e-5, "max_window": 1e-2}},
          {"op": "replace", "path": "/output/frame_interval", "value": 1e-300}])",
@@ -195,7 +197,8 @@ const WrongScene wrong_document[] = {
      "crate.orientation.z, crate.velocity.x, crate.velocity.y, crate.velocity.z, crate.angular_velocity.x, "
      "crate.angular_velocity.y, and 1 more)"},
     {"CheckWithUnknownReduce", R"([{"op": "replace", "path": "/checks/0/reduce", "value": "average"}])",
-     "checks[0].reduce: the value is \"average\" (known values: last, mean, min, max, range, period)"},
+     "checks[0].reduce: the value is \"average\" (known values: last, mean, rms, mean_abs, min, max, range, "
+     "period)"},
     {"CheckAfterTheEnd", R"([{"op": "replace", "path": "/checks/0/to", "value": 0.6}])",
      "checks[0].to: 0.6 s is after the end of the run at 0.5 s (leave it out to mean the end)"},
     {"CheckOfEmptyPart", R"([{"op": "replace", "path": "/checks/0/from", "value": 0.5}])",

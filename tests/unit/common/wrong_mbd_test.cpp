@@ -174,10 +174,6 @@ const WrongScene wrong_mbd[] = {
      R"([{"op": "replace", "path": "/mbd/joints/1/motion", "value": {"type": "ramp", "to": 1, "duration": 0}}])",
      "mbd.joints[1].motion.duration: the value is 0 (give a number from 1e-12 to 1e+09: length of the ramp "
      "[s])"},
-    {"UnknownForce", R"([{"op": "replace", "path": "/mbd/forces/0/type", "value": "spring"}])",
-     "mbd.forces[0].type: the value is \"spring\" (known values: spring_damper, "
-     "rotational_spring_damper, bushing, force, torque, actuator, rope, motor, "
-     "cylinder, tyre)"},
     {"ForceOnUnknownJoint", R"([{"op": "replace", "path": "/mbd/forces/1/joint", "value": "hing"}])",
      "mbd.forces[1].joint: unknown name 'hing' (did you mean 'hinge'?)"},
     {"ForceWithoutJoints", R"([{"op": "replace", "path": "/mbd/joints", "value": []}])",
@@ -209,6 +205,15 @@ const WrongScene wrong_mbd[] = {
 };
 
 INSTANTIATE_TEST_SUITE_P(Mbd, WrongSceneTest, testing::ValuesIn(wrong_mbd), name_of_case);
+
+TEST(Forces, OfAnUnknownTypeAreToldTheTypes) {
+  const std::string said =
+      verdict_on_patch(R"([{"op": "replace", "path": "/mbd/forces/0/type", "value": "spring"}])");
+  EXPECT_TRUE(
+      said.starts_with("scene.json: mbd.forces[0].type: the value is \"spring\" (known values: "
+                       "spring_damper, rotational_spring_damper, bushing, force, torque, actuator"))
+      << said;
+}
 
 }  // namespace
 }  // namespace tandem::scene::test

@@ -164,7 +164,7 @@ TEST(ParticleWatch, CountsFalseSpheres) {
     seen.spin.resize(3);
   });
   EXPECT_EQ(fewer.false_spheres()[0].spheres, 1u);
-  EXPECT_EQ(fewer.false_spheres()[0].example, "it has 1 spheres, and 2 are left of those of the scene");
+  EXPECT_EQ(fewer.false_spheres()[0].example, "it has 1 spheres, and 2 of the scene's spheres remain");
   const ParticleWatch larger = flown([](ParticlesFrame& seen) { seen.radius[1] = 0.02f; });
   EXPECT_EQ(larger.false_spheres()[1].spheres, 1u);
   EXPECT_THAT(larger.false_spheres()[1].example,

@@ -423,8 +423,8 @@ TEST_F(Registry, StopsARunAndSaysWhatIsNone) {
     }
     return std::string("none");
   };
-  EXPECT_NE(said("12345678").find("is no run in progress here"), std::string::npos);
-  EXPECT_NE(said(base_).find("is no run in progress here"), std::string::npos);
+  EXPECT_NE(said("12345678").find("no such run is in progress on this host"), std::string::npos);
+  EXPECT_NE(said(base_).find("no such run is in progress on this host"), std::string::npos);
   std::optional<RegistryEntry> entry;
   while_it_runs = [&] {
     // SIGTERM ends the child. It remains a zombie here, which holds no lock.

@@ -400,7 +400,7 @@ TEST(IterationMatrix, OfTyresIsTheDerivative) {
       d.state.z = d.any(2, .05);
       d.state.z_known = d.state.z, d.state.z_weight = weight;
       d.system.residual(d.state);
-      const TyreForce f = evaluate(d.model.tyres[0], d.state, d.system.links());
+      const TyreForce f = evaluate(*forces_of<TyreOnLink>(d.model)[0], d.state, d.system.links());
       EXPECT_GT(f.force.z(), 0);
       d.expect_inverse(weight > 0 ? "tyre within a step" : "tyre", all_weights, d.state.q, d.x0);
     }

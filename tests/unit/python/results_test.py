@@ -60,6 +60,8 @@ class Signals(Case):
         self.assertAlmostEqual(q.integral(), 1, places=3)
         self.assertAlmostEqual(q.at(.505), (self.force[50] + self.force[51]) / 2)
         self.assertEqual((q.min(.5), q.max(0, .5), q.range()), (.75, .75, 3))
+        self.assertAlmostEqual(q.rms(.4, .7), np.sqrt(np.trapz(self.force[part]**2, self.t[part]) / .3))
+        self.assertAlmostEqual(self.r.reduce("lift.force:mean_abs:0.4:0.7"), np.trapz(np.abs(self.force[part]), self.t[part]) / .3)
         self.assertAlmostEqual(self.r["hinge.q"].period(), 2 * np.pi / 20, places=3)
         self.assertEqual(self.r.reduce("lift.force:mean:0.4:0.7"), q.mean(.4, .7))
         self.assertAlmostEqual(self.r.reduce("box.position"), 5**.5)

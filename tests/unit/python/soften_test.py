@@ -173,11 +173,11 @@ class Refusals(unittest.TestCase):
         self.assertFalse((self.folder / "out").exists())
 
     def test_windows(self):
-        with self.assertRaisesRegex(td.SceneError, r"output.frame_interval of 0.02 s is no whole number of windows of 0.003 s \(these fit: 0.002, 0.004, 0.01, 0.02\)"):
+        with self.assertRaisesRegex(td.SceneError, r"output.frame_interval of 0.02 s is not a whole multiple of the window of 0.003 s \(these fit: 0.002, 0.004, 0.01, 0.02\)"):
             s = bed()
             s.end_time = .6
             expect_window(s, .003)
-        with self.assertRaisesRegex(td.SceneError, "end_time of 0.4 s is no whole number of windows of 0.03 s"):
+        with self.assertRaisesRegex(td.SceneError, "end_time of 0.4 s is not a whole multiple of the window of 0.03 s"):
             expect_window(bed(), .03)
         with self.assertRaisesRegex(td.SceneError, "is no window"):
             expect_window(bed(), 0)

@@ -118,7 +118,7 @@ TEST_F(Report, FailedRunHasTheVerdictBesides) {
       R"({"scene": "s", "status": "failed", "reason": "checks", "checks": [], "verdict": {"lines": [
       {"rule": "overlap", "of": "the run", "value": 0.24, "limit": 0.05, "sentence": "use another"}]}})");
   const std::string text = page();
-  EXPECT_TRUE(has(text, "What the verdict objects to besides"));
+  EXPECT_TRUE(has(text, "Other findings"));
   EXPECT_FALSE(has(text, "makes this run suspect"));
 }
 

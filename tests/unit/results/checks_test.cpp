@@ -48,6 +48,24 @@ TEST(Reduce, MeanIsTheTimeMean) {
                1e-12);
 }
 
+// The trapezoid is exact for the squares of a sine at steps that divide its period: A / sqrt(2). Of its
+// absolute value it is exact but for h^2/12 at each zero, as in the arch above: 2 A / pi (1 - h^2/12).
+TEST(Reduce, RmsAndMeanOfTheAbsoluteValueAreOverTime) {
+  const double A = 3;
+  const int steps = 1000;
+  const Signal sine = sampled(2 * std::numbers::pi, steps, [&](double t) { return A * std::sin(t); });
+  const double h = 2 * std::numbers::pi / steps;
+  expect_close("rms of a sine", reduced(sine, "rms"), A / std::sqrt(2.0), 1e-13);
+  expect_close("mean of the absolute value of a sine", reduced(sine, "mean_abs"),
+               2 * A / std::numbers::pi * (1 - h * h / 12), 1e-9);
+  // Rows at uneven times: 1 for 3 s and -2 for 1 s, with jumps that take no time.
+  const Signal steps_of{{0, 3, 3, 4}, {1, 1, -2, -2}};
+  expect_close("rms over uneven rows", reduced(steps_of, "rms"), std::sqrt(7.0 / 4), 1e-15);
+  expect_close("mean of the absolute value over uneven rows", reduced(steps_of, "mean_abs"), 5.0 / 4, 1e-15);
+  EXPECT_EQ(reduced({{0, 1}, {5, -4}}, "rms", 1), 4) << "a single row";
+  EXPECT_EQ(reduced({{0, 1}, {5, -4}}, "mean_abs", 1), 4);
+}
+
 TEST(Reduce, ExtremesRangeAndLast) {
   const Signal signal{{0, 1, 2, 3}, {4, -7, 9, 5}};
   EXPECT_EQ(reduced(signal, "last"), 5);
@@ -86,7 +104,7 @@ TEST(Reduce, WhatIsNoNumberIsNotPassedOver) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const std::vector<double>& values :
        {std::vector{nan, 1., 2.}, std::vector{1., nan, 2.}, std::vector{1., 2., nan}})
-    for (const char* how : {"min", "max", "range", "mean"})
+    for (const char* how : {"min", "max", "range", "mean", "rms", "mean_abs"})
       EXPECT_TRUE(std::isnan(reduced({{0, 1, 2}, values}, how))) << how;
 }
 
