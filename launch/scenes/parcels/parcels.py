@@ -84,8 +84,8 @@ def scene(name, count, end):
         {"name": "rate of the last parcel at the end [m/s]", "of": f"parcel_{count}.velocity.x", "from": end - 1, "reduce": "mean",
          "expected": 0, "tolerance": 0.01, "absolute": True, "why": "it lies in the bin, or stands in the jam"},
         {"name": "place of the last parcel at the end [m]", "of": f"parcel_{count}.position.x",
-         "expected": -1.5 if count > 50 else 4, "tolerance": 1.5, "absolute": True,
-         "why": "in the jam at the end of the belt" if count > 50 else "in the bin"},
+         "expected": 0 if count > 50 else 4, "tolerance": 2.5 if count > 50 else 1.5, "absolute": True,
+         "why": "in the jam, on the chute or the end of the belt: round-off decides where it ends" if count > 50 else "in the bin"},
         {"name": "no parcel is lost [m]", "of": "parcel_1.position.z", "reduce": "min", "expected": 0.5, "tolerance": 0.5,
          "absolute": True, "why": "above the floor"},
         {"name": "steps whose friction does not fit", "of": "summary.mbd_contact_unsettled_steps", "expected": 0, "tolerance": 5,
@@ -101,7 +101,7 @@ def scene(name, count, end):
                                           for name in ("cardboard", "steel")],
                             "pairs": [{"a": "cardboard", "b": "steel", "friction": SLIPPERY}],
                             "ground": ground(0.8 + DISTANCE * rows)}},
-        "output": {"frame_interval": 0.1}, "checks": checks}
+        "output": {"frame_interval": 0.1, "camera": {"eye": [5.2, -4.6, 5.2], "target": [0.3, 0, 1.3], "field_of_view": 45}}, "checks": checks}
 
 
 FILES = ("parcels", 100, 22), ("parcels_preview", 18, 7)
