@@ -20,9 +20,10 @@ constexpr double least_acceleration = 1e-5, least_rate = 1e-7, asleep_after = 0.
 
 bool is_of_free_bodies(const Model& model, std::size_t free) {
   return !model.contact.empty() && model.contact.outputs.empty() && !model.contact.impacts_within_steps &&
-         !model.contact.time_stepping && model.freedoms == 6 * static_cast<int>(free) && model.links.size() == 2 * free + 1 &&
-         model.motions.empty() && model.boundary.empty() && model.forces.empty() && model.closures.empty() &&
-         model.joint_forces.empty() && model.breaks.empty() && model.inputs == 0;
+         !model.contact.time_stepping && model.freedoms == 6 * static_cast<int>(free) &&
+         model.links.size() == 2 * free + 1 && model.motions.empty() && model.boundary.empty() &&
+         model.forces.empty() && model.closures.empty() && model.joint_forces.empty() &&
+         model.breaks.empty() && model.inputs == 0;
 }
 
 // Link `b` of `to` gets the place and the rates of link `a` of `from`.

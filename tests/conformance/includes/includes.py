@@ -101,6 +101,7 @@ MUTUAL = {
     ("dem_server/engine/engine_of", "dem_server/engine/engine_spheres"),
     ("dem_server/engine/engine_of", "dem_server/engine/engine_sums"),
     ("dem_server/engine/engine_of", "dem_server/engine/engine_tangents"),
+    ("dem_server/engine/engine_of", "dem_server/engine/engine_whole_state"),
     ("mbd_server/contact/balls_on_mesh", "mbd_server/contact/mesh_features"),
     ("mbd_server/contact/rim", "mbd_server/contact/touch"),
 }
