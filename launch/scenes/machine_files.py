@@ -1,4 +1,5 @@
-"""What the programs that write the scenes of liquid machines share: JSON, OBJ files, sheets with round holes."""
+"""What the programs that write scenes share: JSON, command lines, OBJ files, sheets with round holes."""
+import argparse
 import json
 import math
 import os
@@ -97,6 +98,23 @@ def write_or_check(folder, files, check):
             path.write_text(content, encoding="utf-8")
         elif not path.is_file() or path.read_text(encoding="utf-8") != content:
             sys.exit(f"{name} is not what the program of its folder writes: run it")
+
+
+def rounded(value):
+    """The same with numbers of nine digits."""
+    if isinstance(value, dict):
+        return {key: rounded(of) for key, of in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [rounded(of) for of in value]
+    return float(f"{value:.9g}") + 0.0 if isinstance(value, float) else value
+
+
+def write_scenes(description, folder, scenes):
+    """The command line of a program that writes scenes to its folder. scenes: by name."""
+    arguments = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--check", action="store_true", help="say whether the files are what it would write")
+    check = arguments.parse_args().check
+    write_or_check(folder, {f"{name}.json": text(rounded(scene)) + "\n" for name, scene in scenes.items()}, check)
 
 
 def write_variant(scene, folder, output):

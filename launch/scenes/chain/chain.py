@@ -4,13 +4,12 @@
 A chain of round links hangs over a wheel that a motion turns. Every second link lies in a pocket of the wheel between two teeth; the
 others stand in its groove. The wheel pulls one strand up and lets the other one down.
 """
-import argparse
 import math
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from machine_files import text  # noqa: E402
+from machine_files import write_scenes  # noqa: E402
 
 G = 9.81  # [m/s2]
 PITCH, WIRE, WIDTH = 0.036, 0.008, 0.020  # inner length of a link; wire; between the axes of its sides [m]
@@ -141,27 +140,5 @@ def scene(name, count, end):
 FILES = ("chain", 200, 3), ("chain_preview", 40, 1)
 
 
-def rounded(value):
-    """Numbers of nine digits."""
-    if isinstance(value, dict):
-        return {key: rounded(of) for key, of in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [rounded(of) for of in value]
-    return float(f"{value:.9g}") + 0.0 if isinstance(value, float) else value
-
-
-def main():
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("--check", action="store_true", help="say whether the files are what it would write")
-    check = arguments.parse_args().check
-    for name, count, end in FILES:
-        path = pathlib.Path(__file__).resolve().parent / f"{name}.json"
-        content = text(rounded(scene(name, count, end))) + "\n"
-        if not check:
-            path.write_text(content)
-        elif path.read_text() != content:
-            sys.exit(f"{name}.json is not what chain.py writes: run it")
-
-
 if __name__ == "__main__":
-    main()
+    write_scenes(__doc__, pathlib.Path(__file__).resolve().parent, {name: scene(name, count, end) for name, count, end in FILES})

@@ -4,14 +4,13 @@
 Parcels of five sizes stand on a belt, three beside each other. The belt takes them along, and drops them on a chute into a bin.
 The bin takes half of 100: the others jam on the chute, back to the belt, which slides under them.
 """
-import argparse
 import math
 import pathlib
 import random
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from machine_files import text  # noqa: E402
+from machine_files import write_scenes  # noqa: E402
 
 G = 9.81  # [m/s2]
 SPEED, FRICTION, SLIPPERY = 1.2, 0.4, 0.15  # of the belt [m/s]; of cardboard, and of it on steel
@@ -107,27 +106,5 @@ def scene(name, count, end):
 FILES = ("parcels", 100, 22), ("parcels_preview", 18, 7)
 
 
-def rounded(value):
-    """Numbers of nine digits."""
-    if isinstance(value, dict):
-        return {key: rounded(of) for key, of in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [rounded(of) for of in value]
-    return float(f"{value:.9g}") + 0.0 if isinstance(value, float) else value
-
-
-def main():
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("--check", action="store_true", help="say whether the files are what it would write")
-    check = arguments.parse_args().check
-    for name, count, end in FILES:
-        path = pathlib.Path(__file__).resolve().parent / f"{name}.json"
-        content = text(rounded(scene(name, count, end))) + "\n"
-        if not check:
-            path.write_text(content)
-        elif path.read_text() != content:
-            sys.exit(f"{name}.json is not what parcels.py writes: run it")
-
-
 if __name__ == "__main__":
-    main()
+    write_scenes(__doc__, pathlib.Path(__file__).resolve().parent, {name: scene(name, count, end) for name, count, end in FILES})
