@@ -181,6 +181,10 @@ std::vector<std::string> warnings(const Scene& scene) {
       warn_of_overshoot(motor->target, FunctionOf::force, "motor '" + motor->name + "'", warnings);
     if (const auto* cylinder = std::get_if<Cylinder>(&force))
       warn_of_overshoot(cylinder->target, FunctionOf::force, "cylinder '" + cylinder->name + "'", warnings);
+    if (const auto* gas = std::get_if<GasSpring>(&force); gas && gas->pressure < gas->ambient_pressure)
+      warnings.push_back("gas spring '" + gas->name + "' pulls at the start: its pressure of " +
+                         rounded(gas->pressure) + " Pa is below the ambient pressure of " +
+                         rounded(gas->ambient_pressure) + " Pa; pressures are absolute, and 1 bar is 1e5 Pa");
   }
   return warnings;
 }

@@ -273,6 +273,10 @@ void Summary::judge() {
   verdict_ = launch::judge({scene_, json_, facts_});
   verdict_.not_judged = not_judged_;
   add_rules_without_figures();
+  if (scene_.contact && scene_.contact->impacts == scene::Impacts::time_stepping)
+    verdict_.not_judged.push_back(
+        "what the steps leave out: time stepping does not estimate it; halve mbd.integrator.step and "
+        "compare");
   own("verdict") = to_json(verdict_);
 }
 

@@ -226,5 +226,15 @@ TEST(GasSpring, WrongKeysAreRefused) {
             "s: mbd.forces[0].leakage a gas spring that leaks comes to rest only when its pressure is gone");
 }
 
+// As one that was given in bar.
+TEST(GasSpring, ThatPullsAtTheStartIsNamed) {
+  scene::Scene scene = Rig().scene();
+  EXPECT_TRUE(scene::warnings(scene).empty());
+  std::get<scene::GasSpring>(scene.mbd->forces[0]).pressure = 77;
+  ASSERT_EQ(scene::warnings(scene).size(), 1u);
+  EXPECT_NE(scene::warnings(scene)[0].find("its pressure of 77 Pa is below the ambient pressure"),
+            std::string::npos);
+}
+
 }  // namespace gas_spring_test
 }  // namespace tandem::mbd
