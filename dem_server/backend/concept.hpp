@@ -92,5 +92,7 @@ concept BackEnd = DeviceBuffer<typename E::template Buffer<std::uint32_t>> &&
 //                              each other.
 //   account<count>(n, f)       Adds the amounts that f(i, tally) records to view.totals.
 //   prepare_lists(view)        To be called after a rebuild.
+//   let_host_rebuild()         To be called before the first window where the host takes part in rebuilds.
+//   RankExchange<Real, spin>   What ranks exchange, see backend/cpu/rank_exchange_cpu.hpp.
 
 }  // namespace tandem::dem

@@ -11,6 +11,7 @@
 #include "dem_server/engine/account.hpp"
 #include "dem_server/engine/engine_state.hpp"
 #include "dem_server/engine/interface_stiffness.hpp"
+#include "dem_server/engine/rank_buffers.hpp"
 #include "dem_server/engine/wall_rows.hpp"
 #include "dem_server/neighbours/build.hpp"
 
@@ -45,6 +46,7 @@ struct EngineMemory {
   Buffer<std::int64_t> wall_window;  // sums of the window
   std::uint32_t walls_with_sensors = 0;
   Buffer<std::int64_t> dissipation_window;  // empty where nothing is summed
+  RankBuffers<Exec, Real> ranks;            // empty where this process has all spheres
 
   // `p` must be the parameters of the same scene.
   EngineMemory(Exec& exec, const EngineSetup& setup, const Parameters<Real>& p)
@@ -107,17 +109,19 @@ struct EngineMemory {
     return size_levels.coarse.empty() ? 0 : size_levels.coarse_cells() + n / indices_per_parked_cell + 1;
   }
 
-  // Lists keep their lengths. The caller must initialise new indices.
-  void resize_spheres(Exec& exec, std::uint32_t count) {
+  // Lists keep their lengths. The caller must initialise new indices. Arrays that are too short get `room`.
+  void resize_spheres(Exec& exec, std::uint32_t count, std::uint32_t room = 0) {
     n = now.host_window.indices = count;
-    now.spheres.grow(exec, n, needs);
-    now.lists.grow_spheres(exec, n, needs);
-    exec.grow(rebuild.source, n);
-    exec.grow(rebuild.count, n + 1);
+    const std::uint32_t length =
+        now.spheres.position[0].size() < count ? std::max(count, room) : count;
+    now.spheres.grow(exec, length, needs);
+    now.lists.grow_spheres(exec, length, needs);
+    exec.grow(rebuild.source, length);
+    exec.grow(rebuild.count, length + 1);
     exec.grow(rebuild.cell_start, cells() + 2);
     if (!size_levels.coarse.empty()) {
       exec.grow(rebuild.coarse_start, coarse_cells() + 2);
-      exec.grow(rebuild.coarse_index, n);
+      exec.grow(rebuild.coarse_index, length);
     }
     grow_pairs(exec, 0);
     if (has_contact_fields) contact_fields.of_sphere.resize(n);
@@ -205,6 +209,7 @@ struct EngineMemory {
     tangents.for_each(add);
     contact_fields.for_each(add);
     snapshot.for_each(add);
+    ranks.for_each(add);
     window.for_each(add);
     surface.for_each(add);
     add(wall_force);

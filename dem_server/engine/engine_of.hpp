@@ -34,6 +34,7 @@
 #include "dem_server/engine/listed_spheres.hpp"
 #include "dem_server/engine/measure.hpp"
 #include "dem_server/engine/rank_share.hpp"
+#include "dem_server/engine/rank_work.hpp"
 #include "dem_server/neighbours/build.hpp"
 #include "dem_server/neighbours/sort_single_buffered.hpp"
 #include "dem_server/step/micro_step.hpp"
@@ -92,24 +93,17 @@ class EngineOf final : public Engine {
   }
   void rebuild();
   void list_neighbours();
-  std::int64_t work_of(std::uint32_t i) const;
-  CellShares balanced_shares() const;
-  template <class F>
-  void for_each_rank_near(std::uint32_t i, F f) const;
+  WindowProgress present_progress();
+  void balance();
+  CellShares balanced_shares();
+  Destination<Real> destination(unsigned rank) const;
   void redistribute();
-  void pack_sphere(std::uint32_t i, bool with_walls, Ranks::Bytes& bytes) const;
-  void unpack_spheres(const std::vector<Ranks::Bytes>& from);
+  void unpack_spheres(const Travelling& all);
   void find_own_and_ghosts();
   void connect_ghosts();
-  template <class T, class Get>
-  void send_to_neighbours(Get get);
-  template <class T, class Set>
-  void receive_from_neighbours(Set set);
-  void send_ghosts(std::uint32_t side);
-  void receive_ghosts(std::uint32_t side);
-  void combine_step();
+  void count_all_ranks();
+  void number_ghosts();
   void finish_step();
-  std::uint32_t any_of_ranks(std::uint32_t bits);
   void combine_window(WindowProgress& window, std::uint64_t lost);
   template <class T>
   std::vector<T> gathered(std::span<const T> own, bool on_all) const;
@@ -163,8 +157,9 @@ class EngineOf final : public Engine {
   RankShare share_, saved_share_;
   CellShares cell_shares_;     // of the present lists
   double largest_radius_ = 0;  // with ranks [m]
+  std::vector<std::int64_t> shared_by_;  // Ranks::weights() at that time
   double rank_imbalance_ = 1;
-  std::vector<Ranks::Bytes> parcels_;
+  typename Exec::template RankExchange<Real, Law::tangential> rank_exchange_;
   scene::Box domain_;  // where it is at the start of the run
   View<Real> view_;
   Memory memory_;
@@ -237,6 +232,7 @@ template <BackEnd Exec, class Law, class Real>
 EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     : exec_(std::move(exec)),
       ranks_(setup.ranks),
+      rank_exchange_(setup.ranks),
       domain_(setup.scene.dem->domain),
       view_(first_view<Real>(setup)),
       memory_(exec_, setup_of_rank(setup), view_.parameters),
@@ -253,13 +249,11 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
   exec_.upload(memory_.now.window, std::span<const WindowProgress>(&window, 1));
   const Range share = share_at_start(setup);
   if (ranks_ != nullptr) {
-    if constexpr (!Exec::on_host)
-      throw Error(ErrorCode::usage, "several ranks run on the CPU only so far", "--ranks",
-                  "give --backend cpu");
+    exec_.let_host_rebuild();
     share_.owned = {0, share.end - share.begin};
     share_.all = window.used;
-    share_.ordinal.resize(memory_.n);
-    std::iota(share_.ordinal.begin(), share_.ordinal.end(), share.begin);
+    exec_.grow(memory_.ranks.ordinal, memory_.n);
+    exec_.for_each(memory_.n, CountUp{memory_.ranks.ordinal.data(), share.begin});
     largest_radius_ = *std::ranges::max_element(radius_);
   }
   upload_spheres(setup.spheres, share);
@@ -386,18 +380,17 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   if constexpr (Law::extended)
     if (view_.parameters.periods.any()) exec_.for_each(memory_.n, WrapCentres<Real>{view_});
   if (ranks_ == nullptr) return list_neighbours();
-  if constexpr (Exec::on_host) {
-    redistribute();
-    // Lists that do not fit are enlarged here, because the other ranks do not wait for it.
-    for (WindowProgress& window = *view_.window;;) {
-      list_neighbours();
-      if ((window.error & list_overflow) == 0) break;
-      memory_.enlarge_lists(exec_, window);
-      refresh_view();
-      window.error &= ~std::uint32_t{list_overflow};
-    }
-    connect_ghosts();
+  redistribute();
+  // Lists that do not fit are enlarged here, because the other ranks do not wait for it.
+  for (;;) {
+    list_neighbours();
+    const WindowProgress window = present_progress();
+    if ((window.error & list_overflow) == 0) break;
+    memory_.enlarge_lists(exec_, window);
+    refresh_view();
+    exec_.for_each(1, ForgetOverflow<Real>{view_});
   }
+  connect_ghosts();
 }
 
 template <BackEnd Exec, class Law, class Real>
@@ -407,8 +400,7 @@ void EngineOf<Exec, Law, Real>::list_neighbours() {
   auto* const keys = reinterpret_cast<std::uint32_t*>(memory_.rebuild.count.data());
   exec_.sort_into_cells(memory_.n, memory_.cells(), FindCell<Real>{view_}, keys, keys + memory_.n,
                         memory_.rebuild.cell_start, memory_.rebuild.source);
-  if constexpr (Exec::on_host)
-    if (ranks_ != nullptr) find_own_and_ghosts();
+  if (ranks_ != nullptr) find_own_and_ghosts();
   exec_.for_each(memory_.n, MoveSphere<Real, Law>{view_});
   if (view_.grid.levels > 1)
     exec_.sort_into_cells(memory_.n, memory_.coarse_cells(), FindCoarseCell<Real>{view_}, keys,
@@ -498,14 +490,22 @@ void EngineOf<Exec, Law, Real>::refresh_view() {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::save() {
   copy(exec_, memory_.now, memory_.saved);
+  if (ranks_ == nullptr) return;
   saved_share_ = share_;
+  exec_.copy(memory_.ranks.ordinal, memory_.ranks.saved[0]);
+  exec_.copy(memory_.ranks.send, memory_.ranks.saved[1]);
 }
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::restore() {
   copy(exec_, memory_.saved, memory_.now);
-  share_ = saved_share_;
   tangents_.rolled_back = true;
+  if (ranks_ != nullptr) {
+    share_ = saved_share_;
+    exec_.copy(memory_.ranks.saved[0], memory_.ranks.ordinal);
+    exec_.copy(memory_.ranks.saved[1], memory_.ranks.send);
+    rank_exchange_.connect(exec_, share_.links, memory_.ranks.send);
+  }
   adapt_to_state();
 }
 

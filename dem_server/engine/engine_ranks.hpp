@@ -1,210 +1,197 @@
 // The engine's members for ranks (engine/rank_share.hpp). A rebuild of the lists begins with
 //
-//   redistribute: cells of the ranks from the numbers of spheres -> each sphere and its contacts to the rank
-//                 that will move it, and to those that will have it as a ghost
+//   redistribute: cells of the ranks, from the work of the spheres -> each sphere and its contacts to the rank
+//                 that will move it, and to those that will have it as a ghost (engine/travelling.hpp)
 //
 // so that the rebuild finds arrays and old lists as though this rank had always had these spheres. It ends
-// with connect_ghosts. Each step then ends with
-//
-//   send_ghosts: the new state of the spheres that others have as ghosts
-//   combine_step: the largest speed and the errors of all ranks, on which the next rebuild depends
-//   receive_ghosts
-//
-// These need the arrays in the memory of the host. A back end on a GPU will have kernels that pack and unpack
-// them; the order of all else is the same.
+// with connect_ghosts. Each step ends with an exchange of the new state of the spheres that others have as
+// ghosts, and of the largest speed and the errors of all ranks, on which the next rebuild depends
+// (backend/cpu/rank_exchange_cpu.hpp, backend/cuda/rank_exchange.cuh).
 #pragma once
 
 #include <algorithm>
 #include <bit>
-#include <variant>
 #include <vector>
 
 #include "dem_server/engine/engine_of.hpp"
+#include "dem_server/engine/rank_work.hpp"
 #include "dem_server/engine/travelling.hpp"
 
 namespace tandem::dem {
 
-// Work of sphere i in a step, in halves of that of a pair. A sphere takes as long as a pair in its list, some
-// 30 ns [docs/experiments/2026-11-ranks.md]. A time that is measured in the run would give other shares,
-// though the same bits, each time.
 template <BackEnd Exec, class Law, class Real>
-std::int64_t EngineOf<Exec, Law, Real>::work_of(std::uint32_t i) const {
-  const ContactLists<Real>& lists = view_.lists;
-  const Range pairs = entries_of(lists.pairs.start, i), mirrors = entries_of(lists.mirror_start, i);
-  return std::int64_t{2} + (pairs.end - pairs.begin) + (mirrors.end - mirrors.begin);
+WindowProgress EngineOf<Exec, Law, Real>::present_progress() {
+  WindowProgress now;
+  exec_.download(memory_.now.window, std::span<WindowProgress>(&now, 1));
+  return now;
 }
 
+// By counts: a time that is measured in the run would give other shares, though the same bits, each time.
 template <BackEnd Exec, class Law, class Real>
-CellShares EngineOf<Exec, Law, Real>::balanced_shares() const {
-  const FindCell<Real> cell_of{view_};
-  const std::uint32_t side = view_.window->progress[0].state_side;
+CellShares EngineOf<Exec, Law, Real>::balanced_shares() {
   constexpr std::uint32_t per_block = CellShares::cells_per_block;
-  std::vector<std::int64_t> work((view_.cells().total + per_block - 1) / per_block);
-  for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i)
-    if (!is_parked(view_.spheres.position[side][i])) work[cell_of(i) / per_block] += work_of(i);
+  const WindowProgress window = present_progress();
+  const CellGrid& grid = view_.grid.finest[window.skin > window.skins.usual ? 1 : 0];
+  std::vector<std::int64_t> work((grid.total + per_block - 1) / per_block);
+  auto& found = memory_.ranks.work;
+  std::vector<PlacedWork> of_spheres(share_.owned.end - share_.owned.begin);
+  exec_.grow(found, of_spheres.size());
+  exec_.for_each(static_cast<std::uint32_t>(of_spheres.size()),
+                 FindWork<Real>{view_, Exec::pairs_once, found.data()});
+  if (!of_spheres.empty()) exec_.download(found, std::span<PlacedWork>(of_spheres));
+  for (const PlacedWork& sphere : of_spheres)
+    if (sphere.block != PlacedWork::nowhere) work[sphere.block] += sphere.work;
   ranks_->sum(work);
   return {work, ranks_->weights()};
 }
 
-// Calls f(rank) for each rank that moves sphere i or may have a neighbour of it.
 template <BackEnd Exec, class Law, class Real>
-template <class F>
-void EngineOf<Exec, Law, Real>::for_each_rank_near(std::uint32_t i, F f) const {
-  const std::uint32_t side = view_.window->progress[0].state_side;
-  const CellGrid& grid = view_.cells();
-  const auto& unit = view_.parameters.unit;
-  Vec3<std::int32_t> within{1, 1, 1};
-  if (view_.grid.levels > 1) {
-    // A sphere searches the cells of the finest level that it reaches; the largest one may find it from
-    // there.
-    const double reach = unit.exact_metres(view_.spheres.position[side][i].radius) + largest_radius_ +
-                         unit.exact_metres(unit.count(view_.window->skin) + view_.parameters.range);
-    for (int axis = 0; axis < 3; ++axis) within[axis] = cells_within(grid, axis, (1 + 1e-6) * reach);
-  }
-  cell_shares_.for_each_around(grid, view_.position_in_domain(view_.centre(side, i)), within, f);
+Destination<Real> EngineOf<Exec, Law, Real>::destination(unsigned rank) const {
+  return {cell_shares_.of(rank), largest_radius_};
+}
+
+// Chooses the cells of the ranks anew where their work differs, or is to differ otherwise than before.
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::balance() {
+  constexpr double even = 1.02;  // to look at all spheres costs some milliseconds of a million
+  const std::vector<std::int64_t> weights = ranks_->weights();
+  if (!cell_shares_.empty() && rank_imbalance_ < even && weights == shared_by_) return;
+  cell_shares_ = balanced_shares();
+  shared_by_ = weights;
 }
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::redistribute() {
-  cell_shares_ = balanced_shares();
-  std::vector<Ranks::Bytes> to(ranks_->size());
-  const FindCell<Real> cell_of{view_};
-  const std::uint32_t side = view_.window->progress[0].state_side;
-  for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i) {
-    if (is_parked(view_.spheres.position[side][i])) continue;
-    const unsigned owner = cell_shares_.owner(cell_of(i));
-    for_each_rank_near(i, [&](unsigned rank) { pack_sphere(i, rank == owner, to[rank]); });
+  balance();
+  auto& r = memory_.ranks;
+  const std::uint32_t own = share_.owned.end - share_.owned.begin;
+  exec_.grow(r.count, own + 1);
+  exec_.grow(r.total, 1);
+  exec_.grow(r.number, 1);
+  exec_.upload(r.number, std::span<const std::uint32_t>(&own, 1));
+  std::vector<Travelling> to{{}};  // sums over all lower ranks
+  for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+    const Destination<Real> there = destination(rank);
+    exec_.for_each(own, CountTravelling<Law, Real>{view_, there, r.count.data()});
+    exec_.exclusive_sum(r.count, own + 1);
+    exec_.for_each(1, Gather<Travelling>{r.count.data(), r.number.data(), r.total.data()});
+    Travelling count;
+    exec_.download(r.total, std::span<Travelling>(&count, 1));
+    const Travelling before = to.back();
+    to.push_back(before + count);
+    if (count.spheres == 0) continue;
+    r.out.grow(exec_, to.back());
+    exec_.for_each(own, PackTravelling<Law, Real>{view_, r.count.data(), r.ordinal.data(),
+                                                  r.out.spheres.data() + before.spheres,
+                                                  r.out.contacts.data() + before.contacts,
+                                                  r.out.walls.data() + before.walls});
   }
-  unpack_spheres(ranks_->exchange(to));
-}
-
-// Appends sphere i and its contacts with spheres; those with walls only for the rank that will move it.
-template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::pack_sphere(std::uint32_t i, bool with_walls, Ranks::Bytes& bytes) const {
-  const SphereArrays<Real>& spheres = view_.spheres;
-  const ContactLists<Real>& lists = view_.lists;
-  const std::uint32_t side = view_.window->progress[0].state_side;
-  TravellingSphere<Real> sphere;
-  sphere.position = spheres.position[side][i];
-  sphere.velocity = spheres.velocity[side][i];
-  if constexpr (Law::tangential) sphere.spin = spheres.spin[side][i];
-  sphere.fine = spheres.fine_part(i);
-  sphere.id = Law::tangential ? sphere.spin.id : spheres.id[i];
-  sphere.ordinal = share_.ordinal[i];
-  const std::size_t at = bytes.size();
-  put(bytes, sphere);
-  if constexpr (Law::tangential) {
-    const auto rolling = [](const auto& list, std::uint32_t k) {
-      return list.rolling != nullptr ? list.rolling[k] : RollingSpring<Real>{};
+  std::vector<Travelling> of_ranks;
+  for (unsigned rank = 0; rank < ranks_->size(); ++rank) of_ranks.push_back(to[rank + 1] - to[rank]);
+  std::vector<Travelling> from{{}};
+  for (const Travelling& count : exchange_values<Travelling>(*ranks_, of_ranks))
+    from.push_back(from.back() + count);
+  r.in.grow(exec_, from.back());
+  const auto exchange = [&](auto& out, auto& in, std::uint32_t Travelling::* which) {
+    const auto ranges = [which](const std::vector<Travelling>& sums) {
+      std::vector<Range> parts;
+      for (std::size_t k = 0; k + 1 < sums.size(); ++k) parts.push_back({sums[k].*which, sums[k + 1].*which});
+      return parts;
     };
-    for_each_carried(
-        view_, i, sphere.velocity.label,
-        [&](std::uint32_t with, const Vec3<Real>& spring, const auto&, std::uint32_t k) {
-          if ((with & wall_flag) != 0) return;
-          put(bytes, TravellingContact<Real>{share_.ordinal[with], spring, rolling(lists.pairs, k)});
-          ++sphere.contacts;
-        });
-    const std::uint32_t last = view_.window->progress[0].stamp - 1;
-    const Range bodies = with_walls ? view_.near_of(i, sphere.velocity.label) : Range{};
-    for (std::uint32_t b = bodies.begin; b < bodies.end; ++b) {
-      const NearBody near = lists.near[b];
-      for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
-        const History<Real>& history = lists.walls.history[k];
-        if (history.stamp != last) continue;
-        put(bytes, TravellingWall<Real>{near.body, lists.walls.entry[k], history, rolling(lists.walls, k)});
-        ++sphere.walls;
-      }
-    }
+    rank_exchange_.exchange(exec_, out, ranges(to), in, ranges(from));
+  };
+  exchange(r.out.spheres, r.in.spheres, &Travelling::spheres);
+  if constexpr (Law::tangential) {
+    exchange(r.out.contacts, r.in.contacts, &Travelling::contacts);
+    exchange(r.out.walls, r.in.walls, &Travelling::walls);
   }
-  std::memcpy(bytes.data() + at, &sphere, sizeof sphere);  // now with the numbers of its contacts
+  unpack_spheres(from.back());
 }
 
-// Replaces the spheres of this rank, and its lists by the contacts that came with them. Each rank sends in
-// the order of ordinals, and lower ranks have lower ordinals.
 template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::unpack_spheres(const std::vector<Ranks::Bytes>& from) {
-  struct Known {
-    std::uint32_t owner;
-    TravellingContact<Real> contact;
-  };
-  std::vector<TravellingSphere<Real>> spheres;
-  std::vector<Known> contacts;
-  std::vector<TravellingWall<Real>> walls;
-  for (const Ranks::Bytes& bytes : from)
-    for (const std::byte *at = bytes.data(), *const end = at + bytes.size(); at != end;) {
-      const auto sphere = take<TravellingSphere<Real>>(at);
-      for (std::uint32_t k = 0; k < sphere.contacts; ++k)
-        contacts.push_back({static_cast<std::uint32_t>(spheres.size()), take<TravellingContact<Real>>(at)});
-      for (std::uint32_t k = 0; k < sphere.walls; ++k) walls.push_back(take<TravellingWall<Real>>(at));
-      spheres.push_back(sphere);
-    }
-  share_.ordinal.clear();
-  for (const TravellingSphere<Real>& sphere : spheres) share_.ordinal.push_back(sphere.ordinal);
-
-  const auto n = static_cast<std::uint32_t>(spheres.size());
-  memory_.resize_spheres(exec_, n);
-  memory_.grow_pairs(exec_, contacts.size());
-  memory_.now.lists.grow_springs(exec_, contacts.size(), memory_.needs);
-  memory_.now.lists.grow_walls(exec_, walls.size(), memory_.needs);
-  memory_.grow_near(exec_, walls.size());
+void EngineOf<Exec, Law, Real>::unpack_spheres(const Travelling& all) {
+  const std::uint32_t n = all.spheres;
+  memory_.resize_spheres(exec_, n, n + n / 8);
+  memory_.grow_pairs(exec_, all.contacts);
+  memory_.now.lists.grow_springs(exec_, all.contacts, memory_.needs);
+  memory_.now.lists.grow_walls(exec_, all.walls, memory_.needs);
+  memory_.grow_near(exec_, all.walls);
+  auto& r = memory_.ranks;
+  exec_.grow(r.ordinal, memory_.now.spheres.position[0].size());
+  exec_.grow(r.count, n + 1);
   refresh_view();
-  WindowProgress& window = *view_.window;
-  window.indices = n;
-  const std::uint32_t side = window.progress[0].state_side;
-  const ContactLists<Real>& lists = view_.lists;
-  std::uint32_t k = 0, contact = 0, wall = 0;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const TravellingSphere<Real>& sphere = spheres[i];
-    view_.spheres.position[side][i] = sphere.position;
-    VelocityKind<Real>& velocity = view_.spheres.velocity[side][i] = sphere.velocity;
-    velocity.label = Label::of_kind(sphere.velocity.kind());
-    if constexpr (Law::tangential)
-      view_.spheres.spin[side][i] = sphere.spin;
-    else
-      view_.spheres.id[i] = sphere.id;
-    if constexpr (has_fine_part<Real>) view_.spheres.fine[i] = sphere.fine;
-
-    lists.pairs.start[i] = k;
-    for (; contact < contacts.size() && contacts[contact].owner == i; ++contact) {
-      const TravellingContact<Real>& c = contacts[contact].contact;
-      const auto other = std::lower_bound(share_.ordinal.begin(), share_.ordinal.end(), c.with);
-      if (other == share_.ordinal.end() || *other != c.with) continue;  // neither sphere of it is moved here
-      lists.pairs.entry[k] = Neighbour::of(static_cast<std::uint32_t>(other - share_.ordinal.begin()), true);
-      lists.pairs.spring[k] = c.spring;
-      if (lists.pairs.rolling != nullptr) lists.pairs.rolling[k] = c.rolling;
-      ++k;
-    }
-    velocity.label.set_near(wall, sphere.walls);
-    for (const std::uint32_t end = wall + sphere.walls; wall < end; ++wall) {
-      lists.near[wall] = {i, walls[wall].body, wall, 1};
-      lists.walls.entry[wall] = walls[wall].facet;
-      lists.walls.history[wall] = walls[wall].history;
-      if (lists.walls.rolling != nullptr) lists.walls.rolling[wall] = walls[wall].rolling;
-    }
-  }
-  lists.pairs.start[n] = window.listed = k;
-  window.near = wall;
+  exec_.for_each(n, CountReceived<Real>{r.in.spheres.data(), r.ordinal.data(), r.count.data()});
+  exec_.exclusive_sum(r.count, n + 1);
+  exec_.for_each(n + 1,
+                 Unpack<Law, Real>{view_, n, r.count.data(), r.ordinal.data(), r.in.spheres.data(),
+                                   r.in.contacts.data(), r.in.walls.data()});
 }
 
 // To be called when the spheres have been sorted into cells.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::find_own_and_ghosts() {
-  const auto indices_of = [&](unsigned rank) {
-    const Range cells = cell_shares_.of(rank);
-    return Range{view_.rebuild.cell_start[cells.begin], view_.rebuild.cell_start[cells.end]};
-  };
-  share_.owned = view_.spheres.owned = indices_of(ranks_->rank());
+  auto& r = memory_.ranks;
+  std::vector<std::uint32_t> cells;
+  for (unsigned rank = 0; rank < ranks_->size(); ++rank) cells.push_back(cell_shares_.of(rank).begin);
+  cells.push_back(cell_shares_.of(ranks_->size() - 1).end);
+  std::vector<std::uint32_t> first(cells.size());
+  exec_.upload(r.number, std::span<const std::uint32_t>(cells));
+  exec_.grow(r.sent, cells.size());
+  exec_.for_each(static_cast<std::uint32_t>(cells.size()),
+                 Gather<std::uint32_t>{memory_.rebuild.cell_start.data(), r.number.data(), r.sent.data()});
+  exec_.download(r.sent, std::span<std::uint32_t>(first));
+  share_.owned = view_.spheres.owned = {first[ranks_->rank()], first[ranks_->rank() + 1]};
   share_.links.clear();
   for (unsigned rank = 0; rank < ranks_->size(); ++rank)
-    if (rank != ranks_->rank()) share_.links.push_back({rank, {}, indices_of(rank)});
+    if (rank != ranks_->rank()) share_.links.push_back({rank, {}, {first[rank], first[rank + 1]}});
 }
 
 // To be called when the lists are built.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::connect_ghosts() {
+  auto& r = memory_.ranks;
+  const std::uint32_t own = share_.owned.end - share_.owned.begin;
+  exec_.upload(r.number, std::span<const std::uint32_t>(&own, 1));
+  exec_.grow(r.flag, own + 1);
+  exec_.grow(r.sent, 1);
+  std::uint32_t listed = 0;
+  for (GhostLink& link : share_.links) {
+    exec_.for_each(own, FindGhosts<Real>{view_, destination(link.rank), r.flag.data()});
+    exec_.exclusive_sum(r.flag, own + 1);
+    exec_.for_each(1, Gather<std::uint32_t>{r.flag.data(), r.number.data(), r.sent.data()});
+    std::uint32_t count = 0;
+    exec_.download(r.sent, std::span<std::uint32_t>(&count, 1));
+    link.send = {listed, listed + count};
+    listed += count;
+    if (r.send.size() < listed) exec_.grow(r.send, listed + listed / 4);
+    exec_.for_each(own, ListGhosts{r.flag.data(), share_.owned.begin, r.send.data() + link.send.begin});
+  }
+  count_all_ranks();
+  std::erase_if(share_.links, [](const GhostLink& link) {
+    return link.send.begin == link.send.end && link.ghosts.begin == link.ghosts.end;
+  });
+  rank_exchange_.connect(exec_, share_.links, r.send);
+  number_ghosts();
+}
+
+// Counts the spheres of all ranks, gives the own ones their ordinals, and compares the work of the ranks.
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::count_all_ranks() {
+  auto& r = memory_.ranks;
+  const Range own = share_.owned;
   std::vector<std::int64_t> spheres(ranks_->size()), work(ranks_->size());
-  spheres[ranks_->rank()] = share_.owned.end - share_.owned.begin;
-  for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i) work[ranks_->rank()] += work_of(i);
+  spheres[ranks_->rank()] = own.end - own.begin;
+  work[ranks_->rank()] = 2 * spheres[ranks_->rank()];
+  const auto add_lists = [&](const std::uint32_t* start) {
+    std::uint32_t ends[2] = {own.begin, own.end};
+    exec_.upload(r.number, std::span<const std::uint32_t>(ends));
+    exec_.grow(r.sent, 2);
+    exec_.for_each(2, Gather<std::uint32_t>{start, r.number.data(), r.sent.data()});
+    exec_.download(r.sent, std::span<std::uint32_t>(ends));
+    work[ranks_->rank()] += ends[1] - ends[0];
+  };
+  add_lists(view_.lists.pairs.start);
+  if constexpr (Exec::pairs_once) add_lists(view_.lists.mirror_start);
   ranks_->sum(spheres);
   ranks_->sum(work);
   const double mean = std::accumulate(work.begin(), work.end(), 0.0) / ranks_->size();
@@ -212,58 +199,22 @@ void EngineOf<Exec, Law, Real>::connect_ghosts() {
   const auto lower = spheres.begin() + ranks_->rank();
   const auto first = static_cast<std::uint32_t>(std::accumulate(spheres.begin(), lower, std::int64_t{0}));
   share_.all = static_cast<std::uint32_t>(std::accumulate(lower, spheres.end(), std::int64_t{first}));
-
-  std::vector<std::uint32_t> link_of(ranks_->size());
-  for (std::size_t k = 0; k < share_.links.size(); ++k)
-    link_of[share_.links[k].rank] = static_cast<std::uint32_t>(k);
-  share_.ordinal.assign(memory_.n, 0);
-  for (std::uint32_t i = share_.owned.begin; i < share_.owned.end; ++i) {
-    share_.ordinal[i] = first + (i - share_.owned.begin);
-    for_each_rank_near(i, [&](unsigned rank) {
-      if (rank != ranks_->rank()) share_.links[link_of[rank]].send.push_back(i);
-    });
-  }
-  std::erase_if(share_.links, [](const GhostLink& link) {
-    return link.send.empty() && link.ghosts.begin == link.ghosts.end;
-  });
-  send_to_neighbours<std::uint32_t>([&](std::uint32_t i) { return share_.ordinal[i]; });
-  receive_from_neighbours<std::uint32_t>(
-      [&](std::uint32_t i, std::uint32_t value) { share_.ordinal[i] = value; });
+  exec_.grow(r.ordinal, memory_.n);
+  exec_.for_each(own.end - own.begin, CountUp{r.ordinal.data() + own.begin, first});
 }
 
-// Sends get(i) of each own sphere that others have as a ghost.
 template <BackEnd Exec, class Law, class Real>
-template <class T, class Get>
-void EngineOf<Exec, Law, Real>::send_to_neighbours(Get get) {
-  std::vector<Ranks::Parcel> to, from;
-  parcels_.resize(std::max(parcels_.size(), 2 * share_.links.size()));
-  for (std::size_t l = 0; l < share_.links.size(); ++l) {
-    const GhostLink& link = share_.links[l];
-    Ranks::Bytes &out = parcels_[2 * l], &in = parcels_[2 * l + 1];
-    out.resize(link.send.size() * sizeof(T));
-    in.resize((link.ghosts.end - link.ghosts.begin) * sizeof(T));
-    std::byte* at = out.data();
-    for (const std::uint32_t i : link.send) {
-      const T value = get(i);
-      std::memcpy(at, &value, sizeof value);
-      at += sizeof value;
-    }
-    if (!out.empty()) to.push_back({link.rank, out});
-    if (!in.empty()) from.push_back({link.rank, in});
+void EngineOf<Exec, Law, Real>::number_ghosts() {
+  auto& r = memory_.ranks;
+  std::vector<Range> to(ranks_->size()), from(ranks_->size());
+  std::uint32_t sent = 0;
+  for (const GhostLink& link : share_.links) {
+    to[link.rank] = link.send, from[link.rank] = link.ghosts;
+    sent = std::max(sent, link.send.end);
   }
-  ranks_->begin_swap(to, from);
-}
-
-// Waits for what the others have sent in the same call, and calls set(i, value) for each ghost.
-template <BackEnd Exec, class Law, class Real>
-template <class T, class Set>
-void EngineOf<Exec, Law, Real>::receive_from_neighbours(Set set) {
-  ranks_->end_swap();
-  for (std::size_t l = 0; l < share_.links.size(); ++l) {
-    const std::byte* at = parcels_[2 * l + 1].data();
-    const Range ghosts = share_.links[l].ghosts;
-    for (std::uint32_t i = ghosts.begin; i < ghosts.end; ++i) set(i, take<T>(at));
-  }
+  exec_.grow(r.sent, sent);
+  exec_.for_each(sent, Gather<std::uint32_t>{r.ordinal.data(), r.send.data(), r.sent.data()});
+  rank_exchange_.exchange(exec_, r.sent, to, r.ordinal, from);
 }
 
 // Spheres that come in follow all others in order. The last rank has no ghosts behind its own spheres, so
@@ -275,76 +226,17 @@ std::uint32_t EngineOf<Exec, Law, Real>::make_room_on_last_rank(std::uint32_t co
   share_.all += count;
   if (ranks_->rank() + 1 < ranks_->size()) return first;
   share_.owned.end += count;
-  share_.ordinal.resize(share_.owned.end);
-  std::iota(share_.ordinal.begin() + first, share_.ordinal.end(), ordinal);
+  exec_.grow(memory_.ranks.ordinal, share_.owned.end);
+  exec_.for_each(count, CountUp{memory_.ranks.ordinal.data() + first, ordinal});
   if (share_.owned.end > memory_.n) enlarge_spheres(share_.owned.end);
   refresh_view();
   return first;
 }
 
-// What a neighbour reads of a sphere in a step. The label of a ghost refers to no walls.
-template <class Real, bool with_spin>
-struct GhostState {
-  PositionRadius<Real> position;
-  VelocityKind<Real> velocity;
-  [[no_unique_address]] std::conditional_t<with_spin, Spin<Real>, std::monostate> spin;
-};
-
-template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::send_ghosts(std::uint32_t side) {
-  const SphereArrays<Real>& s = view_.spheres;
-  send_to_neighbours<GhostState<Real, Law::tangential>>([&](std::uint32_t i) {
-    GhostState<Real, Law::tangential> ghost;
-    ghost.position = s.position[side][i];
-    ghost.velocity = s.velocity[side][i];
-    ghost.velocity.label = Label::of_kind(ghost.velocity.kind());
-    if constexpr (Law::tangential) ghost.spin = s.spin[side][i];
-    return ghost;
-  });
-}
-
-template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::receive_ghosts(std::uint32_t side) {
-  const SphereArrays<Real>& s = view_.spheres;
-  receive_from_neighbours<GhostState<Real, Law::tangential>>([&](std::uint32_t i, const auto& ghost) {
-    s.position[side][i] = ghost.position;
-    s.velocity[side][i] = ghost.velocity;
-    if constexpr (Law::tangential) s.spin[side][i] = ghost.spin;
-  });
-}
-
 // To be called when the own spheres have moved.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::finish_step() {
-  if constexpr (Exec::on_host) {
-    if (ranks_ == nullptr) return;
-    const std::uint32_t side = view_.window->progress[0].state_side ^ 1;
-    send_ghosts(side);
-    combine_step();  // while the messages are under way
-    receive_ghosts(side);
-  }
-}
-
-// Combines what a step has reported to the progress of the window.
-template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::combine_step() {
-  WindowProgress& window = *view_.window;
-  std::uint64_t most[] = {std::bit_cast<std::uint32_t>(window.max_speed2[0]), ~window.culprit, window.error};
-  ranks_->maximum(most);
-  window.max_speed2[0] = std::bit_cast<float>(static_cast<std::uint32_t>(most[0]));
-  window.culprit = ~static_cast<std::uint32_t>(most[1]);
-  if (most[2] != 0) window.error = any_of_ranks(window.error);
-}
-
-// Bits that are set on any rank.
-template <BackEnd Exec, class Law, class Real>
-std::uint32_t EngineOf<Exec, Law, Real>::any_of_ranks(std::uint32_t bits) {
-  std::uint64_t each[32];
-  for (unsigned k = 0; k < 32; ++k) each[k] = bits >> k & 1;
-  ranks_->maximum(each);
-  std::uint32_t any = 0;
-  for (unsigned k = 0; k < 32; ++k) any |= static_cast<std::uint32_t>(each[k]) << k;
-  return any;
+  if (ranks_ != nullptr) rank_exchange_.end_step(exec_, view_);
 }
 
 // Combines what a window has summed: in `window`, in total_sums_, and in load_fixed_. `lost`: number of

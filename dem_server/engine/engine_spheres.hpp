@@ -141,11 +141,7 @@ std::pair<Vec3d, std::uint64_t> EngineOf<Exec, Law, Real>::pass(std::uint32_t n,
   exec_.download(memory_.window.totals, std::span<std::int64_t>(sum));
   if (ranks_ != nullptr) {
     ranks_->sum(sum);
-    if constexpr (Exec::on_host) {
-      const std::uint32_t side = memory_.now.host_window.progress[0].state_side;
-      send_ghosts(side);
-      receive_ghosts(side);
-    }
+    rank_exchange_.refresh(exec_, view_, memory_.now.host_window.progress[0].state_side);
   }
   return {momentum_in(sum), static_cast<std::uint64_t>(sum[contact_entries])};
 }
@@ -359,6 +355,9 @@ void EngineOf<Exec, Law, Real>::fail(const WindowProgress& c) {
     throw Error(ErrorCode::resource,
                 "the device does not run all multiprocessors at once: a barrier of theirs waited for seconds",
                 "CUDA device", "leave the device to this run, or set TANDEM_CUDA_REGIONS=0");
+  if (c.error & ranks_apart)
+    throw Error(ErrorCode::resource, "another rank has sent nothing for a minute", "--ranks",
+                "see the logs of the ranks, and whether other programs use their devices");
   const std::uint32_t id = id_of_culprit(c.culprit);
   const std::string where =
       "sphere " + std::to_string(id) + ", micro step " + std::to_string(c.progress[0].step);

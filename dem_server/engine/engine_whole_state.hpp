@@ -14,7 +14,9 @@ template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::write_whole(const ArraySink& sink) {
   const auto& now = memory_.now;
   const Needs& needs = memory_.needs;
-  ListedSpheres<Real> spheres = listed_spheres<Real>(view_, needs, share_.owned, share_.ordinal);
+  std::vector<std::uint32_t> ordinal_here(memory_.n);
+  exec_.download(memory_.ranks.ordinal, std::span<std::uint32_t>(ordinal_here));
+  ListedSpheres<Real> spheres = listed_spheres<Real>(view_, needs, share_.owned, ordinal_here);
   spheres.transform([this]<class T>(const std::vector<T>& own) { return gathered(std::span(own), false); });
   if (ranks_->rank() > 0) return;
   std::vector<std::uint32_t> ordinal(spheres.size());
@@ -40,12 +42,14 @@ void EngineOf<Exec, Law, Real>::take_part() {
   std::vector<std::uint32_t> ordinal(now.host_window.indices);
   std::iota(ordinal.begin(), ordinal.end(), 0u);
   const Range own = equal_share(used, ranks_->rank(), ranks_->size());
+  std::vector<std::uint32_t> ordinal_here;
   const ListedSpheres<Real> part = part_of(listed_spheres<Real>(view, memory_.needs, {0, used}, ordinal),
-                                           memory_.needs, own, share_.ordinal);
-  store_spheres(exec_, memory_.needs, part, share_.ordinal, 0, now);
-  const auto index_of = [this](std::uint32_t ordinal_wanted) {
-    const auto at = std::ranges::lower_bound(share_.ordinal, ordinal_wanted);
-    return static_cast<std::uint32_t>(at - share_.ordinal.begin());
+                                           memory_.needs, own, ordinal_here);
+  store_spheres(exec_, memory_.needs, part, ordinal_here, 0, now);
+  exec_.upload(memory_.ranks.ordinal, std::span<const std::uint32_t>(ordinal_here));
+  const auto index_of = [&](std::uint32_t ordinal_wanted) {
+    const auto at = std::ranges::lower_bound(ordinal_here, ordinal_wanted);
+    return static_cast<std::uint32_t>(at - ordinal_here.begin());
   };
   share_.all = used;
   share_.owned = {index_of(own.begin), index_of(own.end)};
@@ -65,9 +69,12 @@ void EngineOf<Exec, Law, Real>::link_to_ghosts(const ListedSpheres<Real>& part) 
   const auto owns = [this](std::uint32_t i) {
     return i - share_.owned.begin < share_.owned.end - share_.owned.begin;
   };
+  std::vector<std::vector<std::uint32_t>> send_to(share_.links.size());
   const auto send = [&](std::uint32_t own, std::uint32_t ghost) {
-    for (GhostLink& link : share_.links)
-      if (ghost - link.ghosts.begin < link.ghosts.end - link.ghosts.begin) link.send.push_back(own);
+    for (std::size_t l = 0; l < share_.links.size(); ++l) {
+      const Range ghosts = share_.links[l].ghosts;
+      if (ghost - ghosts.begin < ghosts.end - ghosts.begin) send_to[l].push_back(own);
+    }
   };
   for (std::uint32_t i = 0; i < part.size(); ++i)
     for (std::uint32_t k = lists.pairs.start[i]; k < lists.pairs.start[i + 1]; ++k) {
@@ -75,14 +82,19 @@ void EngineOf<Exec, Law, Real>::link_to_ghosts(const ListedSpheres<Real>& part) 
       if (owns(i) && !owns(j)) send(i, j);
       if (owns(j) && !owns(i)) send(j, i);
     }
-  for (GhostLink& link : share_.links) {
-    std::ranges::sort(link.send);
-    const auto rest = std::ranges::unique(link.send);
-    link.send.erase(rest.begin(), rest.end());
+  std::vector<std::uint32_t> all;
+  for (std::size_t l = 0; l < send_to.size(); ++l) {
+    std::ranges::sort(send_to[l]);
+    const auto rest = std::ranges::unique(send_to[l]);
+    const auto first = static_cast<std::uint32_t>(all.size());
+    all.insert(all.end(), send_to[l].begin(), rest.begin());
+    share_.links[l].send = {first, static_cast<std::uint32_t>(all.size())};
   }
   std::erase_if(share_.links, [](const GhostLink& link) {
-    return link.send.empty() && link.ghosts.begin == link.ghosts.end;
+    return link.send.begin == link.send.end && link.ghosts.begin == link.ghosts.end;
   });
+  exec_.upload(memory_.ranks.send, std::span<const std::uint32_t>(all));
+  rank_exchange_.connect(exec_, share_.links, memory_.ranks.send);
 }
 
 }  // namespace tandem::dem

@@ -15,7 +15,6 @@
 #include <numeric>
 #include <vector>
 
-#include "common/math/vec3.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/base/range.hpp"
 #include "particles/grid/cell_grid.hpp"
@@ -23,8 +22,8 @@
 namespace tandem::dem {
 
 // The entries of index i in a list that begins at start[i]; none for spheres that came in since it was built.
-inline Range entries_of(const std::uint32_t* start, std::uint32_t i) {
-  return {start[i], std::max(start[i], start[i + 1])};
+TANDEM_HD inline Range entries_of(const std::uint32_t* start, std::uint32_t i) {
+  return {start[i], start[i] < start[i + 1] ? start[i + 1] : start[i]};
 }
 
 // The range of cells of each rank.
@@ -50,58 +49,22 @@ class CellShares {
     first_.resize(weights.size() + 1, static_cast<std::uint32_t>(work.size()) * cells_per_block);
   }
 
+  bool empty() const { return first_.empty(); }
   Range of(unsigned rank) const { return {first_[rank], first_[rank + 1]}; }
   unsigned owner(std::uint32_t cell) const {
     return static_cast<unsigned>(std::upper_bound(first_.begin() + 1, first_.end() - 1, cell) -
                                  (first_.begin() + 1));
   }
-  // Calls f(rank) once for each rank with cells within so many cells of that at position x.
-  template <class F>
-  void for_each_around(const CellGrid& grid, Vec3d x, Vec3<std::int32_t> within, F f) const {
-    std::int32_t low[3], high[3];
-    bool wraps = false;
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = grid.along(x[axis], axis) - within[axis];
-      high[axis] = grid.along(x[axis], axis) + within[axis];
-      if (grid.periodic[axis]) {
-        wraps |= low[axis] < 0 || high[axis] >= grid.cells[axis];
-      } else {
-        low[axis] = std::max(low[axis], 0);
-        high[axis] = std::min(high[axis], grid.cells[axis] - 1);
-      }
-    }
-    if (!wraps) {
-      // Numbers ascend along each axis.
-      const unsigned first = owner(grid.number(low[0], low[1], low[2])),
-                     last = owner(grid.number(high[0], high[1], high[2]));
-      if (first == last) return f(first);
-    }
-    found_.clear();
-    for (std::int32_t z = low[2]; z <= high[2]; ++z)
-      for (std::int32_t y = low[1]; y <= high[1]; ++y)
-        for (std::int32_t at_x = low[0]; at_x <= high[0]; ++at_x) {
-          const unsigned rank =
-              owner(grid.number(wrapped(grid, at_x, 0), wrapped(grid, y, 1), wrapped(grid, z, 2)));
-          if (std::find(found_.begin(), found_.end(), rank) == found_.end()) found_.push_back(rank);
-        }
-    for (const unsigned rank : found_) f(rank);
-  }
 
  private:
-  static std::int32_t wrapped(const CellGrid& grid, std::int32_t c, int axis) {
-    const std::int32_t count = grid.cells[axis];
-    return grid.periodic[axis] ? ((c % count) + count) % count : c;
-  }
-
   std::vector<std::uint32_t> first_;  // of each rank, and the end
-  mutable std::vector<unsigned> found_;
 };
 
 // What a rank exchanges with another one in each micro step.
 struct GhostLink {
   unsigned rank = 0;
-  std::vector<std::uint32_t> send;  // own spheres that are ghosts there, ascending
-  Range ghosts;                     // spheres of that rank that are ghosts here
+  Range send;    // part of RankBuffers::send: own spheres that are ghosts there, ascending
+  Range ghosts;  // spheres of that rank that are ghosts here
 };
 
 // Of `count` things in order, the part of a rank.
@@ -111,9 +74,8 @@ inline Range equal_share(std::uint32_t count, unsigned rank, unsigned ranks) {
 }
 
 struct RankShare {
-  Range owned;                         // see SphereArrays
-  std::uint32_t all = 0;               // spheres of all ranks
-  std::vector<std::uint32_t> ordinal;  // of each sphere here: its index where one process had them all
+  Range owned;            // see SphereArrays
+  std::uint32_t all = 0;  // spheres of all ranks
   std::vector<GhostLink> links;
 };
 

@@ -140,14 +140,14 @@ TANDEM_HD void for_each_facet(const View<Real>& view, std::uint32_t i, Found fou
   }
 }
 
-// Pairs of two ghosts are computed by other ranks. Only the CPU back end has ranks so far.
+// Other ranks compute the forces on ghosts, and the pairs of two ghosts.
 template <bool once, class Real>
-TANDEM_HD bool is_listed([[maybe_unused]] const View<Real>& view, [[maybe_unused]] std::uint32_t i,
-                         [[maybe_unused]] std::uint32_t j, bool is_near) {
+TANDEM_HD bool is_listed(const View<Real>& view, std::uint32_t i, [[maybe_unused]] std::uint32_t j,
+                         bool is_near) {
   if constexpr (once)
     return is_near && (view.spheres.owns(i) || view.spheres.owns(j));
   else
-    return is_near;
+    return is_near && view.spheres.owns(i);
 }
 
 template <class Real, class Law, bool once, Levels levels>

@@ -62,8 +62,9 @@ MpiRanks::MpiRanks(int& argc, char**& argv) : swapping_(std::make_unique<Request
   MPI_Comm of_host = MPI_COMM_NULL;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &of_host);
   MPI_Comm_size(of_host, &size);
+  MPI_Comm_rank(of_host, &rank);
   MPI_Comm_free(&of_host);
-  on_this_host_ = static_cast<unsigned>(size);
+  on_this_host_ = static_cast<unsigned>(size), place_on_host_ = static_cast<unsigned>(rank);
 }
 
 MpiRanks::~MpiRanks() {

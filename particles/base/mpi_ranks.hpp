@@ -18,6 +18,7 @@ class MpiRanks final : public Ranks {
   unsigned rank() const override { return rank_; }
   unsigned size() const override { return size_; }
   unsigned on_this_host() const override { return on_this_host_; }
+  unsigned place_on_host() const override { return place_on_host_; }
   std::vector<Bytes> exchange(const std::vector<Bytes>& to) override;
   void begin_swap(std::span<const Parcel> to, std::span<const Parcel> from) override;
   void end_swap() override;
@@ -29,7 +30,7 @@ class MpiRanks final : public Ranks {
  private:
   struct Requests;
   std::unique_ptr<Requests> swapping_;  // of the swap that has begun
-  unsigned rank_ = 0, size_ = 1, on_this_host_ = 1;
+  unsigned rank_ = 0, size_ = 1, on_this_host_ = 1, place_on_host_ = 0;
 };
 
 }  // namespace tandem::particles

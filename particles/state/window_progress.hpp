@@ -19,6 +19,7 @@ enum StepError : std::uint32_t {
   // A region of dem_server/backend/cuda/resident/resident.cuh does not fit: continue without regions
   region_overflow = 1u << 4,
   blocks_apart = 1u << 5,  // a grid barrier of dem_server/backend/cuda/resident/resident.cuh timed out
+  ranks_apart = 1u << 6,   // another rank sent no message for long
 };
 
 inline constexpr std::uint32_t of_rebuilds = list_overflow | region_overflow;

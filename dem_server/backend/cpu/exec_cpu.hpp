@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dem_server/backend/concept.hpp"
+#include "dem_server/backend/cpu/rank_exchange_cpu.hpp"
 #include "dem_server/contact/close_pairs.hpp"
 #include "dem_server/contact/pair_batch.hpp"
 #include "dem_server/contact/pair_sum.hpp"
@@ -49,7 +50,11 @@ struct alignas(64) HostTally {
 
 class CpuExec : public HostExec {
  public:
+  template <class Real, bool with_spin>
+  using RankExchange = CpuRankExchange<Real, with_spin>;
+
   explicit CpuExec(unsigned threads) : HostExec(threads), tallies_(pool_->size()) {}
+  void let_host_rebuild() {}
 
   template <class F>
   void for_each_shared(std::uint32_t n, F f) {

@@ -25,6 +25,7 @@
 #include "dem_server/backend/concept.hpp"
 #include "dem_server/backend/cuda/block_tally.cuh"
 #include "dem_server/backend/cuda/fill_lists.cuh"
+#include "dem_server/backend/cuda/rank_exchange.cuh"
 #include "dem_server/backend/cuda/resident/resident.cuh"
 #include "dem_server/backend/cuda/streaming/step_kernels.cuh"
 #include "dem_server/laws/particle_names.hpp"
@@ -68,9 +69,21 @@ __global__ void account_kernel(std::uint32_t n, Record record) {
 
 class CudaExec : public DeviceExec {
  public:
+  template <class Real, bool with_spin>
+  using RankExchange = CudaRankExchange<Real, with_spin>;
+
   CudaExec();
   ~CudaExec();
   CudaExec(CudaExec&& other) noexcept;
+
+  // A graph cannot wait for the host, and regions do not know of ghosts.
+  void let_host_rebuild() {
+    plain_launches_ = true;
+    most_regions_ = 0;
+  }
+  cudaStream_t stream() const { return stream_; }
+  // Of the step that is being started, see WindowProgress.
+  unsigned step_side() const { return step_ & 1u; }
 
   // One warp per iteration where n is small, which has the lower latency; else one thread, which is less
   // work.
@@ -105,8 +118,9 @@ class CudaExec : public DeviceExec {
                    wall_blocks = std::min(largest_wall_blocks, blocks(n, wall_threads));
     // The first step of a round follows work that does not trigger programmatic dependencies.
     launch(wall_blocks, wall_threads, step_ > 0, wall_kernel<Step>, step, rows, side);
-    step.view.grid.levels > 1 ? launch_step<Levels::many>(n, step, rows, side)
-                              : launch_step<Levels::one>(n, step, rows, side);
+    const Range owned = step.view.spheres.owned;
+    step.view.grid.levels > 1 ? launch_step<Levels::many>(owned.end - owned.begin, step, rows, side)
+                              : launch_step<Levels::one>(owned.end - owned.begin, step, rows, side);
   }
   template <unsigned totals, class Record>
   void account(std::uint32_t n, const Record& record) {
@@ -151,7 +165,8 @@ class CudaExec : public DeviceExec {
     }
     check_cuda(cudaGraphLaunch(executable_, stream_), "starting a window");
   }
-  // The same without a graph: compute-sanitizer's racecheck and ncu cannot inspect kernels of graphs.
+  // The same without a graph: for ranks, and because compute-sanitizer's racecheck and ncu cannot inspect
+  // kernels of graphs.
   template <class Rebuild, class Step>
   void run_plainly(Buffer<WindowProgress>& window, Rebuild rebuild, Step step) {
     WindowProgress c;
@@ -203,7 +218,7 @@ class CudaExec : public DeviceExec {
     const bool few = n < few_spheres_;
     const unsigned threads = block(step_block_threads);
     launch(blocks(few ? n * 2 : n, threads), threads, true,
-           few ? step_kernel<Step, 2, levels> : step_kernel<Step, 1, levels>, n, step, rows, side);
+           few ? step_kernel<Step, 2, levels> : step_kernel<Step, 1, levels>, step, rows, side);
   }
   // `early`: the kernel may start before the previous one has ended.
   template <class... Parameters, class... Arguments>

@@ -25,7 +25,7 @@ struct LaneGather {
   template <class Forces, class Tally>
   __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
     ForceSum sum;
-    if (i >= forces.view.spheres.count) return sum;
+    if (i >= forces.view.spheres.owned.end) return sum;
     const auto& state = forces.state;
     const std::uint32_t end = fetch(forces.list.start + i + 1);
     std::uint32_t k = fetch(forces.list.start + i);

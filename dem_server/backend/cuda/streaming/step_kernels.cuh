@@ -94,7 +94,7 @@ using GatherOf = std::conditional_t<!Law::tangential && !Law::extended && lanes 
 // Warps are independent: none waits for another one of its block.
 template <class Step, std::uint32_t lanes, Levels levels>
 __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step::Law>)
-    step_kernel(std::uint32_t n, const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
+    step_kernel(const __grid_constant__ Step step, std::uint32_t rows, unsigned side) {
   using Gather = GatherOf<typename Step::Law, typename Step::Real, lanes, levels>;
   __shared__ BlockTally tallies[step_block_threads / 32];
   __shared__ typename Gather::Space spaces[step_block_threads / 32];
@@ -109,17 +109,19 @@ __global__ void __launch_bounds__(step_block_threads, step_blocks<typename Step:
   __syncwarp();
   const CurrentStep now(window, progress);
   MotionTally tally{&of_warp, step.view.load + std::size_t{now.step} * rows * 6};
-  const std::uint32_t i = (blockIdx.x * blockDim.x + threadIdx.x) / lanes;
+  const Range owned = step.view.spheres.owned;
+  const std::uint32_t i = owned.begin + (blockIdx.x * blockDim.x + threadIdx.x) / lanes,
+                      last = owned.end > 0 ? owned.end - 1 : 0;
   const Gather gather_pairs{spaces[threadIdx.x / 32]};
   const StateInMemory<typename Step::Real> state(step.view, now);
-  if constexpr (has_fine_part<typename Step::Real>) prefetch(state.fine_parts + min(i, n - 1));
+  if constexpr (has_fine_part<typename Step::Real>) prefetch(state.fine_parts + min(i, last));
   const ForceSum sum = gather_pairs(step.pairs(now, state), i, tally);
   const auto motion = step.motion(now, state);
-  const auto own = motion.own(min(i, n - 1));
+  const auto own = motion.own(min(i, last));
   // Spheres away from walls may move while the wall kernel runs: FinePart is the only state that is not
   // double buffered, and the wall kernel reads it for spheres near walls only.
   if (__any_sync(~0u, own.walls.begin < own.walls.end)) wait_for_kernel_before();
-  if (i < n && gather_pairs.moves()) {
+  if (i < owned.end && gather_pairs.moves()) {
     motion.translate(i, own, sum.force, tally);
     if constexpr (Step::Law::tangential) motion.rotate(i, own, sum.torque);
   }

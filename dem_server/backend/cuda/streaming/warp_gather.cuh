@@ -59,7 +59,7 @@ struct WarpGather {
   // beyond the last sphere. The result is valid in the thread that moves the sphere.
   template <class Forces, class Tally>
   __device__ ForceSum operator()(const Forces& forces, std::uint32_t i, Tally& tally) const {
-    const bool exists = i < forces.view.spheres.count;
+    const bool exists = i < forces.view.spheres.owned.end;
     const std::uint32_t first = i - thread() / lanes, end = exists ? fetch(forces.list.start + i + 1) : 0;
     const PositionRadius<Real> own = exists ? forces.state.position(i) : PositionRadius<Real>{};
     ForceSum sum;

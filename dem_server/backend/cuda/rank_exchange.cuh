@@ -1,0 +1,417 @@
+// What ranks exchange while the spheres are on GPUs, one for each rank.
+//
+// On one host each rank stores its messages into the memory of the others and raises a flag there. All of that
+// happens on the devices, so that no step waits for the host. Between hosts, or where devices do not reach
+// each other, messages go through the memory of the host.
+//
+// A message has a number, and memory for two: a rank that has got message s of all others may send s + 1
+// while these still read s, but it sends s + 2 only when it has got their s + 1, which follows their s.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "dem_server/contact/view.hpp"
+#include "dem_server/engine/ghost_state.hpp"
+#include "dem_server/engine/rank_share.hpp"
+#include "dem_server/laws/particle_names.hpp"
+#include "particles/backend/cuda/device_exec.cuh"
+#include "particles/backend/cuda/peer_memory.cuh"
+#include "particles/base/check_cuda.cuh"
+#include "particles/base/ranks.hpp"
+
+namespace tandem::dem {
+
+// What a rank reports of a step; `number` is written last.
+struct alignas(16) RankReport {
+  std::uint32_t number = 0, max_speed2 = 0, error = 0, culprit = ~0u;
+};
+
+template <class Real, bool with_spin>
+struct Letters {
+  using Ghost = GhostState<Real, with_spin>;
+  struct Outgoing {
+    Range part;    // of `send`
+    Ghost* to[2];  // where the receiver has them, for even and odd messages
+  };
+  struct Incoming {
+    Range ghosts;  // indices
+    const Ghost* from[2];
+  };
+  const Outgoing* outgoing = nullptr;
+  const Incoming* incoming = nullptr;
+  std::uint32_t links = 0, sent = 0, ghosts = 0;
+  const std::uint32_t* send = nullptr;
+  std::uint32_t ranks = 0, rank = 0;
+  RankReport* const* report_to[2]{};  // of each rank: where it has the report of this one
+  RankReport* reports[2]{};           // of all ranks
+  std::uint32_t* number = nullptr;    // of the last message, then the number of blocks that have sent
+};
+
+// The state of the ghosts that others have, and a report of the step. `gate`: progress of the step, which may
+// not have begun; null: there was none, and the state is that of `side`.
+template <class Real, bool with_spin>
+__global__ void send_kernel(const __grid_constant__ View<Real> view, Letters<Real, with_spin> letters,
+                            const StepProgress* gate, unsigned step_side, std::uint32_t side) {
+  if (gate != nullptr) {
+    if (gate->open == 0) return;
+    side = gate->state_side ^ 1;
+  }
+  const std::uint32_t number = letters.number[0] + 1, which = number & 1;
+  std::uint32_t link = 0;
+  for (std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x; k < letters.sent; k += gridDim.x * blockDim.x) {
+    while (k >= letters.outgoing[link].part.end) ++link;
+    const auto& to = letters.outgoing[link];
+    to.to[which][k - to.part.begin] =
+        GhostState<Real, with_spin>::of(view.spheres, side, letters.send[k]);
+  }
+  __threadfence_system();
+  __syncthreads();
+  __shared__ bool is_last;
+  if (threadIdx.x == 0) is_last = atomicAdd(letters.number + 1, 1u) + 1 == gridDim.x;
+  __syncthreads();
+  if (!is_last) return;
+  __threadfence_system();
+  const WindowProgress& window = *view.window;
+  for (std::uint32_t rank = threadIdx.x; rank < letters.ranks; rank += blockDim.x) {
+    volatile RankReport& report = *letters.report_to[which][rank];
+    report.max_speed2 = __float_as_uint(window.max_speed2[step_side ^ 1]);
+    report.error = window.error;
+    report.culprit = window.culprit;
+    __threadfence_system();
+    report.number = number;
+  }
+  if (threadIdx.x == 0) letters.number[0] = number, letters.number[1] = 0;
+}
+
+// Waits for the messages of all ranks, and gives the ghosts here the state in them.
+inline constexpr std::uint64_t longest_wait = 60'000'000'000;  // [ns]
+__device__ inline std::uint64_t nanoseconds() {
+  std::uint64_t now;
+  asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now));
+  return now;
+}
+template <class Real, bool with_spin>
+__global__ void receive_kernel(const __grid_constant__ View<Real> view, Letters<Real, with_spin> letters,
+                               const StepProgress* gate, unsigned step_side, std::uint32_t side) {
+  if (gate != nullptr) {
+    if (gate->open == 0) return;
+    side = gate->state_side ^ 1;
+  }
+  WindowProgress& window = *view.window;
+  const std::uint32_t number = letters.number[0], which = number & 1;
+  for (std::uint32_t rank = threadIdx.x; rank < letters.ranks; rank += blockDim.x) {
+    const volatile std::uint32_t& arrived = letters.reports[which][rank].number;
+    for (const std::uint64_t begin = nanoseconds(); arrived != number;)
+      if (nanoseconds() - begin > longest_wait) {
+        atomicOr(&window.error, static_cast<unsigned>(ranks_apart));
+        break;
+      }
+  }
+  __syncthreads();
+  __threadfence_system();
+  std::uint32_t link = 0, before = 0;
+  for (std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x; k < letters.ghosts;
+       k += gridDim.x * blockDim.x) {
+    const auto count = [&] { return letters.incoming[link].ghosts.end - letters.incoming[link].ghosts.begin; };
+    for (; k >= before + count(); ++link) before += count();
+    const auto& from = letters.incoming[link];
+    using Ghost = GhostState<Real, with_spin>;
+    static_assert(sizeof(Ghost) % sizeof(int4) == 0);
+    Ghost ghost;
+    for (std::size_t part = 0; part < sizeof(Ghost) / sizeof(int4); ++part)
+      reinterpret_cast<int4*>(&ghost)[part] =
+          __ldcg(reinterpret_cast<const int4*>(from.from[which] + (k - before)) + part);
+    ghost.store(view.spheres, side, from.ghosts.begin + (k - before));
+  }
+  if (gate == nullptr || blockIdx.x != 0 || threadIdx.x != 0) return;
+  // The next rebuild depends on the largest speed.
+  unsigned fastest = __float_as_uint(window.max_speed2[step_side ^ 1]);
+  for (std::uint32_t rank = 0; rank < letters.ranks; ++rank) {
+    const volatile RankReport& report = letters.reports[which][rank];
+    fastest = max(fastest, static_cast<unsigned>(report.max_speed2));
+    if (report.error == 0) continue;
+    atomicOr(&window.error, static_cast<unsigned>(report.error));
+    window.step_error[step_side ^ 1] |= report.error;
+    window.culprit = min(window.culprit, static_cast<std::uint32_t>(report.culprit));
+  }
+  window.max_speed2[step_side ^ 1] = __uint_as_float(fastest);
+}
+
+template <class Real, bool with_spin>
+class CudaRankExchange {
+ public:
+  explicit CudaRankExchange(Ranks* ranks) : ranks_(ranks) {}
+  ~CudaRankExchange() { cudaFreeHost(pinned_); }
+  CudaRankExchange(const CudaRankExchange&) = delete;
+  CudaRankExchange& operator=(const CudaRankExchange&) = delete;
+
+  // See backend/cpu/rank_exchange_cpu.hpp.
+  template <class Exec, class Out, class In>
+  void exchange(Exec& exec, Out& out, std::span<const Range> to, In& in, std::span<const Range> from) {
+    using T = std::remove_cvref_t<decltype(*out.data())>;
+    begin();
+    const auto copy = [&](void* into, const void* of, std::size_t count) {
+      if (count > 0)
+        check_cuda(cudaMemcpyAsync(into, of, count * sizeof(T), cudaMemcpyDefault, exec.stream()),
+                   "copying between ranks");
+    };
+    const auto length = [](Range range) { return std::size_t{range.end} - range.begin; };
+    const unsigned own = ranks_->rank();
+    copy(in.data() + from[own].begin, out.data() + to[own].begin, length(to[own]));
+    if (!peers_) {
+      std::vector<Ranks::Bytes> parts(ranks_->size());
+      for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+        if (rank == own) continue;
+        parts[rank].resize(length(to[rank]) * sizeof(T));
+        copy(parts[rank].data(), out.data() + to[rank].begin, length(to[rank]));
+      }
+      wait(exec);
+      const std::vector<Ranks::Bytes> received = ranks_->exchange(parts);
+      for (unsigned rank = 0; rank < ranks_->size(); ++rank)
+        if (rank != own) copy(in.data() + from[rank].begin, received[rank].data(), length(from[rank]));
+      return wait(exec);
+    }
+    // Others read from a copy: while they do, this rank goes on. It fills the same copy again after it has
+    // got their messages of the next exchange, before which they wait for what they read.
+    struct Offer {
+      PeerAddress address;
+      std::uint64_t at = 0;
+    };
+    SharedMemory& shared = offered_[turn_++ % 2];
+    std::vector<Offer> offers(ranks_->size());
+    std::uint64_t bytes = 0;
+    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+      if (rank == own) continue;
+      offers[rank].at = bytes;
+      bytes += (length(to[rank]) * sizeof(T) + 15) / 16 * 16;
+    }
+    shared.reserve(std::max<std::uint64_t>(bytes, 16));
+    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+      offers[rank].address = shared.address();
+      if (rank != own) copy(shared.data() + offers[rank].at, out.data() + to[rank].begin, length(to[rank]));
+    }
+    wait(exec);
+    const std::vector<Offer> offered = exchange_values<Offer>(*ranks_, offers);
+    for (unsigned rank = 0; rank < ranks_->size(); ++rank)
+      if (rank != own && length(from[rank]) > 0)
+        copy(in.data() + from[rank].begin, opened_->open(offered[rank].address) + offered[rank].at,
+             length(from[rank]));
+    wait(exec);
+  }
+
+  template <class Exec, class Buffer>
+  void connect(Exec& exec, const std::vector<GhostLink>& links, const Buffer& send) {
+    begin();
+    links_ = links;
+    letters_.links = static_cast<std::uint32_t>(links.size());
+    letters_.send = send.data();
+    letters_.ranks = ranks_->size(), letters_.rank = ranks_->rank();
+    letters_.sent = letters_.ghosts = 0;
+    for (const GhostLink& link : links) {
+      letters_.sent = std::max(letters_.sent, link.send.end);
+      letters_.ghosts += link.ghosts.end - link.ghosts.begin;
+    }
+    if (letters_.number == nullptr) {
+      number_.resize(2);
+      letters_.number = number_.data();
+    }
+    peers_ ? open_peers(exec) : open_host_memory(exec);
+  }
+
+  template <class Exec>
+  void refresh(Exec& exec, const View<Real>& view, std::uint32_t side) {
+    pass(exec, view, nullptr, 0, side);
+  }
+  template <class Exec>
+  void end_step(Exec& exec, const View<Real>& view) {
+    const unsigned side = exec.step_side();
+    pass(exec, view, view.window->progress + (side ^ 1), side, 0);
+  }
+
+ private:
+  using Ghost = GhostState<Real, with_spin>;
+  using Outgoing = typename Letters<Real, with_spin>::Outgoing;
+  using Incoming = typename Letters<Real, with_spin>::Incoming;
+  template <class T>
+  using Buffer = particles::DeviceExec::Buffer<T>;
+  static constexpr unsigned threads = 128, most_blocks = 64;
+
+  void begin() {
+    if (opened_ != nullptr) return;
+    peers_ = all_reach_each_other(*ranks_);
+    opened_ = std::make_unique<OpenedMemory>();
+  }
+  template <class Exec>
+  static void wait(Exec& exec) {
+    check_cuda(cudaStreamSynchronize(exec.stream()), "copying between ranks");
+  }
+
+  // Memory for messages of others: reports of all ranks for even and odd messages, then ghosts likewise.
+  std::size_t ghosts_at(unsigned which) const {
+    return 2 * std::size_t{letters_.ranks} * sizeof(RankReport) + which * letters_.ghosts * sizeof(Ghost);
+  }
+  std::size_t report_at(unsigned which, unsigned rank) const {
+    return (std::size_t{which} * letters_.ranks + rank) * sizeof(RankReport);
+  }
+
+  template <class Exec>
+  void open_peers(Exec& exec) {
+    inbox_.reserve(ghosts_at(2));
+    // Where a rank puts its messages.
+    struct Invitation {
+      PeerAddress address;
+      std::uint64_t ghosts[2]{}, report[2]{};
+    };
+    std::vector<Invitation> invitations(ranks_->size());
+    std::uint32_t before = 0;
+    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+      invitations[rank].address = inbox_.address();
+      for (const unsigned which : {0u, 1u}) invitations[rank].report[which] = report_at(which, rank);
+    }
+    std::vector<Incoming> incoming;
+    for (const GhostLink& link : links_) {
+      Incoming from{link.ghosts, {}};
+      for (const unsigned which : {0u, 1u}) {
+        const std::size_t at = ghosts_at(which) + before * sizeof(Ghost);
+        invitations[link.rank].ghosts[which] = at;
+        from.from[which] = reinterpret_cast<const Ghost*>(inbox_.data() + at);
+      }
+      incoming.push_back(from);
+      before += link.ghosts.end - link.ghosts.begin;
+    }
+    const std::vector<Invitation> invited = exchange_values<Invitation>(*ranks_, invitations);
+    std::vector<RankReport*> report_to;
+    for (const unsigned which : {0u, 1u})
+      for (unsigned rank = 0; rank < ranks_->size(); ++rank)
+        report_to.push_back(reinterpret_cast<RankReport*>(open(invited, rank) + invited[rank].report[which]));
+    std::vector<Outgoing> outgoing;
+    for (const GhostLink& link : links_) {
+      Outgoing to{link.send, {}};
+      for (const unsigned which : {0u, 1u})
+        to.to[which] = reinterpret_cast<Ghost*>(open(invited, link.rank) + invited[link.rank].ghosts[which]);
+      outgoing.push_back(to);
+    }
+    tell_device(exec, incoming, outgoing, report_to);
+    for (const unsigned which : {0u, 1u})
+      letters_.reports[which] = reinterpret_cast<RankReport*>(inbox_.data() + report_at(which, 0));
+  }
+  template <class Invitation>
+  std::byte* open(const std::vector<Invitation>& invited, unsigned rank) {
+    return rank == ranks_->rank() ? inbox_.data() : opened_->open(invited[rank].address);
+  }
+
+  // Memory of the host, which the device reads and writes: what comes in as above, then the report of this
+  // rank, then the ghosts that go out.
+  template <class Exec>
+  void open_host_memory(Exec& exec) {
+    const std::size_t report = ghosts_at(2), out = report + sizeof(RankReport),
+                      bytes = out + letters_.sent * sizeof(Ghost);
+    if (bytes > pinned_bytes_) {
+      wait(exec);
+      cudaFreeHost(pinned_);
+      void* fresh = nullptr;
+      pinned_bytes_ = bytes + bytes / 4;
+      check_cuda(cudaMallocHost(&fresh, pinned_bytes_), "allocating memory for messages");
+      pinned_ = static_cast<std::byte*>(fresh);
+    }
+    std::memset(pinned_, 0, bytes);
+    own_report_ = reinterpret_cast<RankReport*>(pinned_ + report);
+    own_report_->number = sent_number_;
+    out_ = reinterpret_cast<Ghost*>(pinned_ + out);
+    std::vector<Incoming> incoming;
+    std::vector<Outgoing> outgoing;
+    std::uint32_t before = 0;
+    for (const GhostLink& link : links_) {
+      Incoming from{link.ghosts, {}};
+      Outgoing to{link.send, {}};
+      for (const unsigned which : {0u, 1u}) {
+        from.from[which] = reinterpret_cast<const Ghost*>(pinned_ + ghosts_at(which)) + before;
+        to.to[which] = out_ + link.send.begin;
+      }
+      incoming.push_back(from), outgoing.push_back(to);
+      before += link.ghosts.end - link.ghosts.begin;
+    }
+    tell_device(exec, incoming, outgoing, std::vector<RankReport*>(2 * ranks_->size(), own_report_));
+    for (const unsigned which : {0u, 1u})
+      letters_.reports[which] = reinterpret_cast<RankReport*>(pinned_ + report_at(which, 0));
+  }
+
+  template <class Exec>
+  void tell_device(Exec& exec, const std::vector<Incoming>& incoming, const std::vector<Outgoing>& outgoing,
+                   const std::vector<RankReport*>& report_to) {
+    exec.upload(incoming_, std::span<const Incoming>(incoming));
+    exec.upload(outgoing_, std::span<const Outgoing>(outgoing));
+    exec.upload(report_to_, std::span<RankReport* const>(report_to));
+    letters_.incoming = incoming_.data(), letters_.outgoing = outgoing_.data();
+    for (const unsigned which : {0u, 1u})
+      letters_.report_to[which] = report_to_.data() + which * ranks_->size();
+  }
+
+  template <class Exec>
+  void pass(Exec& exec, const View<Real>& view, const StepProgress* gate, unsigned step_side,
+            std::uint32_t side) {
+    const auto blocks = [](std::uint32_t n) { return std::clamp((n + threads - 1) / threads, 1u, most_blocks); };
+    send_kernel<Real, with_spin><<<blocks(letters_.sent), threads, 0, exec.stream()>>>(view, letters_, gate,
+                                                                                     step_side, side);
+    check_cuda(cudaGetLastError(), "sending ghosts");
+    if (!peers_ && !swap_through_host(exec)) return;
+    receive_kernel<Real, with_spin><<<blocks(letters_.ghosts), threads, 0, exec.stream()>>>(
+        view, letters_, gate, step_side, side);
+    check_cuda(cudaGetLastError(), "receiving ghosts");
+  }
+  // False where the step has not begun, which is so on all ranks.
+  template <class Exec>
+  bool swap_through_host(Exec& exec) {
+    wait(exec);
+    if (own_report_->number == sent_number_) return false;
+    sent_number_ = own_report_->number;
+    const unsigned which = sent_number_ & 1;
+    std::vector<Ranks::Parcel> to, from;
+    auto* at = reinterpret_cast<Ghost*>(pinned_ + ghosts_at(which));
+    for (const GhostLink& link : links_) {
+      const std::uint32_t sent = link.send.end - link.send.begin, ghosts = link.ghosts.end - link.ghosts.begin;
+      if (sent > 0) to.push_back({link.rank, std::as_writable_bytes(std::span(out_ + link.send.begin, sent))});
+      if (ghosts > 0) from.push_back({link.rank, std::as_writable_bytes(std::span(at, ghosts))});
+      at += ghosts;
+    }
+    ranks_->begin_swap(to, from);
+    std::vector<std::uint64_t> most{own_report_->max_speed2, ~own_report_->culprit, own_report_->error};
+    ranks_->maximum(most);
+    RankReport all{sent_number_, static_cast<std::uint32_t>(most[0]), own_report_->error,
+                   ~static_cast<std::uint32_t>(most[1])};
+    if (most[2] != 0) all.error = any_of_ranks(*ranks_, all.error);
+    ranks_->end_swap();
+    auto* const reports = reinterpret_cast<RankReport*>(pinned_ + report_at(which, 0));
+    std::fill_n(reports, ranks_->size(), all);
+    return true;
+  }
+
+  Ranks* ranks_;
+  bool peers_ = false;
+  std::vector<GhostLink> links_;
+  Letters<Real, with_spin> letters_;
+  Buffer<Incoming> incoming_;
+  Buffer<Outgoing> outgoing_;
+  Buffer<RankReport*> report_to_;
+  Buffer<std::uint32_t> number_;
+  // Where all reach each other:
+  std::unique_ptr<OpenedMemory> opened_;
+  SharedMemory inbox_, offered_[2];
+  unsigned turn_ = 0;
+  // Elsewhere:
+  std::byte* pinned_ = nullptr;
+  std::size_t pinned_bytes_ = 0;
+  RankReport* own_report_ = nullptr;
+  Ghost* out_ = nullptr;
+  std::uint32_t sent_number_ = 0;
+};
+
+}  // namespace tandem::dem

@@ -1,0 +1,81 @@
+#include <unistd.h>
+
+#include "particles/backend/cuda/peer_memory.cuh"
+#include "particles/backend/setting.hpp"
+#include "particles/base/check_cuda.cuh"
+
+namespace tandem::particles {
+
+namespace {
+
+int present_device() {
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "asking for the device");
+  return device;
+}
+
+}  // namespace
+
+SharedMemory::~SharedMemory() {
+  for (std::byte* former : former_) cudaFree(former);
+  cudaFree(data_);
+}
+
+void SharedMemory::reserve(std::size_t bytes) {
+  if (bytes <= size_) return;
+  if (data_ != nullptr) former_.push_back(data_);
+  size_ = bytes + bytes / 4;
+  void* fresh = nullptr;
+  check_cuda(cudaMalloc(&fresh, size_), "allocating device memory that ranks share");
+  data_ = static_cast<std::byte*>(fresh);
+  check_cuda(cudaMemset(data_, 0, size_), "clearing device memory");
+  check_cuda(cudaDeviceSynchronize(), "clearing device memory");
+  address_.pointer = reinterpret_cast<std::uint64_t>(data_);
+  address_.process = getpid();
+  address_.device = present_device();
+  check_cuda(cudaIpcGetMemHandle(&address_.handle, data_), "sharing device memory");
+}
+
+OpenedMemory::~OpenedMemory() {
+  for (const auto& [of, data] : opened_)
+    if (of.first != getpid()) cudaIpcCloseMemHandle(data);
+}
+
+std::byte* OpenedMemory::open(const PeerAddress& address) {
+  std::byte*& data = opened_[{address.process, address.pointer}];
+  if (data != nullptr) return data;
+  if (address.process == getpid()) {
+    if (address.device != present_device()) {
+      const cudaError_t error = cudaDeviceEnablePeerAccess(address.device, 0);
+      if (error == cudaErrorPeerAccessAlreadyEnabled)
+        cudaGetLastError();  // so that no later call reports it
+      else
+        check_cuda(error, "reaching the memory of another device");
+    }
+    data = reinterpret_cast<std::byte*>(address.pointer);
+  } else {
+    void* opened = nullptr;
+    check_cuda(cudaIpcOpenMemHandle(&opened, address.handle, cudaIpcMemLazyEnablePeerAccess),
+               "opening the device memory of another rank");
+    data = static_cast<std::byte*>(opened);
+  }
+  return data;
+}
+
+bool all_reach_each_other(Ranks& ranks) {
+  std::uint64_t apart[] = {ranks.on_this_host() < ranks.size() || setting("TANDEM_CUDA_PEERS") == 0u ? 1u : 0u};
+  ranks.maximum(apart);
+  if (apart[0] != 0) return false;
+  const int here = present_device();
+  const std::vector<int> devices = exchange_values<int>(ranks, std::vector<int>(ranks.size(), here));
+  for (const int there : devices) {
+    int reaches = 1;
+    if (there != here)
+      check_cuda(cudaDeviceCanAccessPeer(&reaches, here, there), "asking what devices reach each other");
+    if (reaches == 0) apart[0] = 1;
+  }
+  ranks.maximum(apart);
+  return apart[0] == 0;
+}
+
+}  // namespace tandem::particles
