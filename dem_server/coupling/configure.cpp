@@ -122,7 +122,8 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   memory_.sensors = sensors_.nothing_seen();
 
   if (ranks_ != nullptr) expect_ranks();
-  choice_ = choose_engine(scene_, ranks_ != nullptr ? Backend::cpu : choose_backend(configuration.backend));
+  choice_ = choose_engine(scene_, ranks_ != nullptr ? backend_of_ranks(configuration.backend)
+                                                    : choose_backend(configuration.backend));
   if (!fixed.empty())
     choice_.left_out.push_back(
         fmt::format("spheres that never move: {} fixed ones are walls of the ground", fixed.size()));
@@ -181,6 +182,25 @@ std::string Solver::precision_name() const {
   return scene_.dem->precision == scene::Precision::mixed ? "mixed" : "double";
 }
 
+// Of all ranks: a GPU for each, or the cores of their hosts. Collective. Error{usage} where there are fewer
+// GPUs.
+Backend Solver::backend_of_ranks(const std::string& wanted) const {
+  if (wanted != "auto" && wanted != "cuda") return choose_backend(wanted);
+  const unsigned devices = cuda_built() ? particles::cuda_devices() : 0, here = ranks_->on_this_host();
+  std::uint64_t lacking[] = {here > devices ? 1u : 0u};
+  ranks_->maximum(lacking);
+  if (lacking[0] == 0) {
+    particles::use_cuda_device(ranks_->place_on_host());
+    return Backend::cuda;
+  }
+  if (wanted == "cuda")
+    throw Error(ErrorCode::usage,
+                fmt::format("each rank needs a CUDA device: {} on this host, and {} devices{}", here, devices,
+                            cuda_built() ? "" : ", since this build has no CUDA"),
+                "--ranks", "give --ranks the number of devices, or --backend cpu");
+  return Backend::cpu;
+}
+
 // Error{usage} where ranks cannot compute this scene, or would only wait for each other.
 void Solver::expect_ranks() const {
   const auto refuse = [](const std::string& problem, const std::string& remedy) {
@@ -197,7 +217,8 @@ void Solver::expect_ranks() const {
 // Checks the memory of the engine before anything is allocated.
 std::size_t Solver::check_memory(const EngineSetup& given, std::size_t cells) {
   EngineSetup setup = given;
-  const std::size_t here = ranks_ != nullptr ? ranks_->on_this_host() : 1;  // which share its memory
+  // Ranks that share the memory of the host; each has a device of its own.
+  const std::size_t here = ranks_ != nullptr && choice_.backend == Backend::cpu ? ranks_->on_this_host() : 1;
   const auto share_of = [this](std::size_t spheres) {
     return ranks_ != nullptr ? std::max<std::size_t>(1, spheres / ranks_->size()) : spheres;
   };

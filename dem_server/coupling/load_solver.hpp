@@ -71,6 +71,7 @@ class Solver final : public protocol::LoadSolver {
   double step_taken() const { return longest_window() / steps_in(longest_window()); }
   void expect_steps(const std::string& chosen_for, const std::string& remedy) const;
   void expect_ranks() const;
+  Backend backend_of_ranks(const std::string& wanted) const;
   // `cells`: memory of the domain's cells [bytes]. Returns the memory of the engine [bytes].
   std::size_t check_memory(const EngineSetup& setup, std::size_t cells);
   void warn(const std::string& sentence);

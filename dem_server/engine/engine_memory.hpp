@@ -112,8 +112,7 @@ struct EngineMemory {
   // Lists keep their lengths. The caller must initialise new indices. Arrays that are too short get `room`.
   void resize_spheres(Exec& exec, std::uint32_t count, std::uint32_t room = 0) {
     n = now.host_window.indices = count;
-    const std::uint32_t length =
-        now.spheres.position[0].size() < count ? std::max(count, room) : count;
+    const std::uint32_t length = now.spheres.position[0].size() < count ? std::max(count, room) : count;
     now.spheres.grow(exec, length, needs);
     now.lists.grow_spheres(exec, length, needs);
     exec.grow(rebuild.source, length);

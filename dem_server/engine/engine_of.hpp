@@ -41,6 +41,9 @@
 
 namespace tandem::dem {
 
+template <class Exec>
+struct HostCopy;  // engine/engine_whole_state.hpp
+
 template <BackEnd Exec, class Law, class Real>
 class EngineOf final : public Engine {
  public:
@@ -111,7 +114,8 @@ class EngineOf final : public Engine {
   void gather_at_first(std::vector<T>& of_index) const;
   void write_whole(const ArraySink& sink);
   void take_part();
-  void link_to_ghosts(const ListedSpheres<Real>& part);
+  EngineState<HostCopy<Exec>, Real> copy_on_host();
+  void link_to_ghosts(const ContactLists<Real>& lists, std::uint32_t spheres);
   // Of a state in a file.
   std::size_t fewest_indices() const { return kind_.empty() ? radius_.size() : 0; }
   void build_first_lists(double dt);
@@ -155,8 +159,8 @@ class EngineOf final : public Engine {
   Exec exec_;
   Ranks* ranks_;  // null: this process has all spheres
   RankShare share_, saved_share_;
-  CellShares cell_shares_;     // of the present lists
-  double largest_radius_ = 0;  // with ranks [m]
+  CellShares cell_shares_;               // of the present lists
+  double largest_radius_ = 0;            // with ranks [m]
   std::vector<std::int64_t> shared_by_;  // Ranks::weights() at that time
   double rank_imbalance_ = 1;
   typename Exec::template RankExchange<Real, Law::tangential> rank_exchange_;
@@ -511,8 +515,7 @@ void EngineOf<Exec, Law, Real>::restore() {
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::write(const ArraySink& sink) {
-  if constexpr (Exec::on_host)
-    if (ranks_ != nullptr) return write_whole(sink);
+  if (ranks_ != nullptr) return write_whole(sink);
   write_state(exec_, memory_.now, sink);
 }
 
@@ -522,8 +525,7 @@ void EngineOf<Exec, Law, Real>::read(const ArraySource& source) {
   const SkinRange skins = memory_.now.host_window.skins;
   read_state(exec_, memory_.now, source, fewest_indices(), all);
   StateCheck<Exec, Law, Real>{exec_, memory_, view_.parameters, domain_, view_.follows, radius_, skins}();
-  if constexpr (Exec::on_host)
-    if (ranks_ != nullptr) take_part();
+  if (ranks_ != nullptr) take_part();
   adapt_to_state();
 }
 

@@ -1,6 +1,7 @@
 // The engine's members for ranks (engine/rank_share.hpp). A rebuild of the lists begins with
 //
-//   redistribute: cells of the ranks, from the work of the spheres -> each sphere and its contacts to the rank
+//   redistribute: cells of the ranks, from the work of the spheres -> each sphere and its contacts to the
+//   rank
 //                 that will move it, and to those that will have it as a ghost (engine/travelling.hpp)
 //
 // so that the rebuild finds arrays and old lists as though this rank had always had these spheres. It ends
@@ -81,10 +82,9 @@ void EngineOf<Exec, Law, Real>::redistribute() {
     to.push_back(before + count);
     if (count.spheres == 0) continue;
     r.out.grow(exec_, to.back());
-    exec_.for_each(own, PackTravelling<Law, Real>{view_, r.count.data(), r.ordinal.data(),
-                                                  r.out.spheres.data() + before.spheres,
-                                                  r.out.contacts.data() + before.contacts,
-                                                  r.out.walls.data() + before.walls});
+    exec_.for_each(own, PackTravelling<Law, Real>{
+                            view_, r.count.data(), r.ordinal.data(), r.out.spheres.data() + before.spheres,
+                            r.out.contacts.data() + before.contacts, r.out.walls.data() + before.walls});
   }
   std::vector<Travelling> of_ranks;
   for (unsigned rank = 0; rank < ranks_->size(); ++rank) of_ranks.push_back(to[rank + 1] - to[rank]);
@@ -92,7 +92,7 @@ void EngineOf<Exec, Law, Real>::redistribute() {
   for (const Travelling& count : exchange_values<Travelling>(*ranks_, of_ranks))
     from.push_back(from.back() + count);
   r.in.grow(exec_, from.back());
-  const auto exchange = [&](auto& out, auto& in, std::uint32_t Travelling::* which) {
+  const auto exchange = [&](auto& out, auto& in, std::uint32_t Travelling::*which) {
     const auto ranges = [which](const std::vector<Travelling>& sums) {
       std::vector<Range> parts;
       for (std::size_t k = 0; k + 1 < sums.size(); ++k) parts.push_back({sums[k].*which, sums[k + 1].*which});
@@ -122,9 +122,8 @@ void EngineOf<Exec, Law, Real>::unpack_spheres(const Travelling& all) {
   refresh_view();
   exec_.for_each(n, CountReceived<Real>{r.in.spheres.data(), r.ordinal.data(), r.count.data()});
   exec_.exclusive_sum(r.count, n + 1);
-  exec_.for_each(n + 1,
-                 Unpack<Law, Real>{view_, n, r.count.data(), r.ordinal.data(), r.in.spheres.data(),
-                                   r.in.contacts.data(), r.in.walls.data()});
+  exec_.for_each(n + 1, Unpack<Law, Real>{view_, n, r.count.data(), r.ordinal.data(), r.in.spheres.data(),
+                                          r.in.contacts.data(), r.in.walls.data()});
 }
 
 // To be called when the spheres have been sorted into cells.

@@ -33,16 +33,16 @@ struct RankBuffers {
     }
   };
 
-  Buffer<std::uint32_t> ordinal;     // of each index: that where one process had all spheres
-  Buffer<std::uint32_t> send;        // see GhostLink
-  Buffer<std::uint32_t> saved[2];    // both at the last save()
+  Buffer<std::uint32_t> ordinal;   // of each index: that where one process had all spheres
+  Buffer<std::uint32_t> send;      // see GhostLink
+  Buffer<std::uint32_t> saved[2];  // both at the last save()
   Travellers out, in;
-  Buffer<Travelling> count;          // of each sphere, then summed over all lower indices (n + 1)
-  Buffer<Travelling> total;          // (1)
-  Buffer<std::uint32_t> flag;        // likewise (n + 1)
-  Buffer<std::uint32_t> number;      // a few numbers on their way to the host
-  Buffer<std::uint32_t> sent;        // ordinals on their way to other ranks
-  Buffer<PlacedWork> work;           // of each own sphere
+  Buffer<Travelling> count;      // of each sphere, then summed over all lower indices (n + 1)
+  Buffer<Travelling> total;      // (1)
+  Buffer<std::uint32_t> flag;    // likewise (n + 1)
+  Buffer<std::uint32_t> number;  // a few numbers on their way to the host
+  Buffer<std::uint32_t> sent;    // ordinals on their way to other ranks
+  Buffer<PlacedWork> work;       // of each own sphere
 
   template <class F>
   void for_each(F f) const {

@@ -103,8 +103,7 @@ struct Destination {
     const double reach =
         unit.exact_metres(view.spheres.position[view.window->progress[0].state_side][i].radius) +
         largest_radius + unit.exact_metres(unit.count(view.window->skin) + view.parameters.range);
-    for (int axis = 0; axis < 3; ++axis)
-      within[axis] = cells_within(view.cells(), axis, (1 + 1e-6) * reach);
+    for (int axis = 0; axis < 3; ++axis) within[axis] = cells_within(view.cells(), axis, (1 + 1e-6) * reach);
     return within;
   }
   TANDEM_HD static std::int32_t wrapped(const CellGrid& grid, std::int32_t c, int axis) {

@@ -103,9 +103,6 @@ void expect_ranks(const RunOptions& options) {
   if (options.transport != Transport::shm || options.attach)
     refuse("several ranks are started from here and reached over shared memory so far",
            "leave --transport and --attach out");
-  if (options.backend == "cuda")
-    refuse("several ranks run on the cores of this host, not on GPUs yet",
-           "give --backend cpu, or no --ranks");
   expect_program();
 }
 

@@ -12,6 +12,10 @@ namespace tandem::particles {
 bool cuda_present() {
   return false;
 }
+unsigned cuda_devices() {
+  return 0;
+}
+void use_cuda_device(unsigned) {}
 std::string cuda_device_name() {
   return {};
 }

@@ -14,5 +14,8 @@ std::string device_name(Backend backend);
 // Whether this build contains CUDA code, and whether there is a usable device.
 bool cuda_built();
 bool cuda_present();
+// How many devices there are, 0 without CUDA. This thread uses device `number` modulo that from now on.
+unsigned cuda_devices();
+void use_cuda_device(unsigned number);
 
 }  // namespace tandem::particles

@@ -11,6 +11,7 @@
 #include "dem_server/coupling/state_hash.hpp"
 #include "tests/support/particle_run.hpp"
 #include "tests/support/particle_scenes.hpp"
+#include "tests/support/tested_backend.hpp"
 #include "tests/support/thread_ranks.hpp"
 
 namespace tandem::test {
@@ -65,7 +66,7 @@ struct RankCase {
 };
 
 inline RankResult result_of(const RankCase& c, ThreadRanks* ranks) {
-  ParticleRun run(c.json, particles::Backend::cpu, 1, c.change, {}, ranks);
+  ParticleRun run(c.json, tested_backend(), 1, c.change, {}, ranks);
   RankResult result;
   for (int w = 0; w < c.windows; ++w) {
     c.between(run, w, result);

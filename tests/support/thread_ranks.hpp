@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "particles/base/backend.hpp"
 #include "particles/base/ranks.hpp"
 
 namespace tandem::test {
@@ -89,6 +90,7 @@ void on_ranks(unsigned size, Work work) {
   std::vector<std::jthread> threads;
   for (unsigned rank = 0; rank < size; ++rank)
     threads.emplace_back([&, rank] {
+      particles::use_cuda_device(rank);
       ThreadRanks ranks(rank, team);
       work(ranks);
     });

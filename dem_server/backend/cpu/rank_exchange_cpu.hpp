@@ -77,7 +77,8 @@ class CpuRankExchange {
     std::vector<Ranks::Parcel> to, from;
     Ghost* at = in_.data();
     for (const GhostLink& link : links_) {
-      const std::uint32_t sent = link.send.end - link.send.begin, ghosts = link.ghosts.end - link.ghosts.begin;
+      const std::uint32_t sent = link.send.end - link.send.begin,
+                          ghosts = link.ghosts.end - link.ghosts.begin;
       if (sent > 0)
         to.push_back({link.rank, std::as_writable_bytes(std::span(out_.data() + link.send.begin, sent))});
       if (ghosts > 0) from.push_back({link.rank, std::as_writable_bytes(std::span(at, ghosts))});
@@ -97,7 +98,8 @@ class CpuRankExchange {
   }
   // The next rebuild depends on the largest speed.
   void combine(WindowProgress& window) {
-    std::uint64_t most[] = {std::bit_cast<std::uint32_t>(window.max_speed2[0]), ~window.culprit, window.error};
+    std::uint64_t most[] = {std::bit_cast<std::uint32_t>(window.max_speed2[0]), ~window.culprit,
+                            window.error};
     ranks_->maximum(most);
     window.max_speed2[0] = std::bit_cast<float>(static_cast<std::uint32_t>(most[0]));
     window.culprit = ~static_cast<std::uint32_t>(most[1]);

@@ -1,8 +1,8 @@
 // What ranks exchange while the spheres are on GPUs, one for each rank.
 //
-// On one host each rank stores its messages into the memory of the others and raises a flag there. All of that
-// happens on the devices, so that no step waits for the host. Between hosts, or where devices do not reach
-// each other, messages go through the memory of the host.
+// On one host each rank stores its messages into the memory of the others and raises a flag there. All of
+// that happens on the devices, so that no step waits for the host. Between hosts, or where devices do not
+// reach each other, messages go through the memory of the host.
 //
 // A message has a number, and memory for two: a rank that has got message s of all others may send s + 1
 // while these still read s, but it sends s + 2 only when it has got their s + 1, which follows their s.
@@ -66,11 +66,11 @@ __global__ void send_kernel(const __grid_constant__ View<Real> view, Letters<Rea
   }
   const std::uint32_t number = letters.number[0] + 1, which = number & 1;
   std::uint32_t link = 0;
-  for (std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x; k < letters.sent; k += gridDim.x * blockDim.x) {
+  for (std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x; k < letters.sent;
+       k += gridDim.x * blockDim.x) {
     while (k >= letters.outgoing[link].part.end) ++link;
     const auto& to = letters.outgoing[link];
-    to.to[which][k - to.part.begin] =
-        GhostState<Real, with_spin>::of(view.spheres, side, letters.send[k]);
+    to.to[which][k - to.part.begin] = GhostState<Real, with_spin>::of(view.spheres, side, letters.send[k]);
   }
   __threadfence_system();
   __syncthreads();
@@ -120,7 +120,9 @@ __global__ void receive_kernel(const __grid_constant__ View<Real> view, Letters<
   std::uint32_t link = 0, before = 0;
   for (std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x; k < letters.ghosts;
        k += gridDim.x * blockDim.x) {
-    const auto count = [&] { return letters.incoming[link].ghosts.end - letters.incoming[link].ghosts.begin; };
+    const auto count = [&] {
+      return letters.incoming[link].ghosts.end - letters.incoming[link].ghosts.begin;
+    };
     for (; k >= before + count(); ++link) before += count();
     const auto& from = letters.incoming[link];
     using Ghost = GhostState<Real, with_spin>;
@@ -358,13 +360,15 @@ class CudaRankExchange {
   template <class Exec>
   void pass(Exec& exec, const View<Real>& view, const StepProgress* gate, unsigned step_side,
             std::uint32_t side) {
-    const auto blocks = [](std::uint32_t n) { return std::clamp((n + threads - 1) / threads, 1u, most_blocks); };
-    send_kernel<Real, with_spin><<<blocks(letters_.sent), threads, 0, exec.stream()>>>(view, letters_, gate,
-                                                                                     step_side, side);
+    const auto blocks = [](std::uint32_t n) {
+      return std::clamp((n + threads - 1) / threads, 1u, most_blocks);
+    };
+    send_kernel<Real, with_spin>
+        <<<blocks(letters_.sent), threads, 0, exec.stream()>>>(view, letters_, gate, step_side, side);
     check_cuda(cudaGetLastError(), "sending ghosts");
     if (!peers_ && !swap_through_host(exec)) return;
-    receive_kernel<Real, with_spin><<<blocks(letters_.ghosts), threads, 0, exec.stream()>>>(
-        view, letters_, gate, step_side, side);
+    receive_kernel<Real, with_spin>
+        <<<blocks(letters_.ghosts), threads, 0, exec.stream()>>>(view, letters_, gate, step_side, side);
     check_cuda(cudaGetLastError(), "receiving ghosts");
   }
   // False where the step has not begun, which is so on all ranks.
@@ -377,8 +381,10 @@ class CudaRankExchange {
     std::vector<Ranks::Parcel> to, from;
     auto* at = reinterpret_cast<Ghost*>(pinned_ + ghosts_at(which));
     for (const GhostLink& link : links_) {
-      const std::uint32_t sent = link.send.end - link.send.begin, ghosts = link.ghosts.end - link.ghosts.begin;
-      if (sent > 0) to.push_back({link.rank, std::as_writable_bytes(std::span(out_ + link.send.begin, sent))});
+      const std::uint32_t sent = link.send.end - link.send.begin,
+                          ghosts = link.ghosts.end - link.ghosts.begin;
+      if (sent > 0)
+        to.push_back({link.rank, std::as_writable_bytes(std::span(out_ + link.send.begin, sent))});
       if (ghosts > 0) from.push_back({link.rank, std::as_writable_bytes(std::span(at, ghosts))});
       at += ghosts;
     }

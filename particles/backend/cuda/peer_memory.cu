@@ -63,15 +63,18 @@ std::byte* OpenedMemory::open(const PeerAddress& address) {
 }
 
 bool all_reach_each_other(Ranks& ranks) {
-  std::uint64_t apart[] = {ranks.on_this_host() < ranks.size() || setting("TANDEM_CUDA_PEERS") == 0u ? 1u : 0u};
+  std::uint64_t apart[] = {ranks.on_this_host() < ranks.size() || setting("TANDEM_CUDA_PEERS") == 0u ? 1u
+                                                                                                     : 0u};
   ranks.maximum(apart);
   if (apart[0] != 0) return false;
   const int here = present_device();
   const std::vector<int> devices = exchange_values<int>(ranks, std::vector<int>(ranks.size(), here));
-  for (const int there : devices) {
-    int reaches = 1;
-    if (there != here)
-      check_cuda(cudaDeviceCanAccessPeer(&reaches, here, there), "asking what devices reach each other");
+  for (unsigned rank = 0; rank < ranks.size(); ++rank) {
+    if (rank == ranks.rank()) continue;
+    int reaches = 0;
+    if (devices[rank] != here)
+      check_cuda(cudaDeviceCanAccessPeer(&reaches, here, devices[rank]),
+                 "asking what devices reach each other");
     if (reaches == 0) apart[0] = 1;
   }
   ranks.maximum(apart);

@@ -56,7 +56,8 @@ class OpenedMemory {
   std::map<std::pair<std::int32_t, std::uint64_t>, std::byte*> opened_;  // by process and pointer
 };
 
-// Can each rank write into the memory of each other one? Collective.
+// Can the device of each rank write into the memory of each other one? Ranks on one device do not: where one
+// waits for the other, the device may not run the other. Collective.
 bool all_reach_each_other(Ranks& ranks);
 
 }  // namespace tandem::particles

@@ -124,7 +124,7 @@ class RankFaults(CaseOfRanks):
                 (("--ranks", 0), "0 is no number of ranks"),
                 (("--ranks", 27), "1331 spheres are too few for 27 ranks .use at most 26"),
                 (("--ranks", 2, "--transport", "inproc"), "reached over shared memory so far"),
-                (("--ranks", 2, "--backend", "cuda"), "not on GPUs yet"),
+                (("--ranks", 2, "--backend", "cuda"), "each rank needs a CUDA device"),
                 (("--ranks", 2, "--dem-server", "true"), "another program computes the spheres"),
         ]:
             with self.subTest(sentence):

@@ -16,7 +16,7 @@ struct Continued {
 
 // Runs a case; with `from`, only its second half from that state.
 Continued continued(const RankCase& c, ThreadRanks* ranks, const Arrays* from) {
-  ParticleRun run(c.json, particles::Backend::cpu, 1, c.change, {}, ranks);
+  ParticleRun run(c.json, tested_backend(), 1, c.change, {}, ranks);
   Continued all;
   RankResult first;
   const int half = c.windows / 2;

@@ -17,8 +17,6 @@
 namespace tandem::test {
 namespace {
 
-using particles::Backend;
-
 class LawOverRanks : public testing::TestWithParam<LawOfRanks> {};
 INSTANTIATE_TEST_SUITE_P(
     Laws, LawOverRanks,
@@ -73,7 +71,7 @@ TEST(Ranks, ShareTheWork) {
     fill(6, 0.032, 0.25, s.size());
   };
   on_ranks(2, [&](ThreadRanks& ranks) {
-    ParticleRun run(falling_spheres("hertz_mindlin", "", 1600), Backend::cpu, 1, stacked, {}, &ranks);
+    ParticleRun run(falling_spheres("hertz_mindlin", "", 1600), tested_backend(), 1, stacked, {}, &ranks);
     run.advance(1, rank_dt);
     const double by_spheres = run.engine->rank_imbalance();
     run.advance(1, rank_dt, 1);
@@ -188,7 +186,7 @@ TEST(Ranks, EndTogetherWhereASphereIsTooFast) {
     std::atomic<unsigned> found = 0;
     on_ranks(size, [&](ThreadRanks& ranks) {
       ParticleRun run(
-          few_spheres("hertz_mindlin"), Backend::cpu, 1,
+          few_spheres("hertz_mindlin"), tested_backend(), 1,
           [](particles::Spheres& s) {
             s.velocity[40] = {0, 0, 1e9};
           },
@@ -278,7 +276,7 @@ nlohmann::json rain_on_a_tool() {
 
 // What the coordinator sees of such a run, with windows taken back.
 std::vector<double> seen_of(std::unique_ptr<protocol::LoadSolver> solver, std::string& hash) {
-  SolverRun run(rain_on_a_tool(), "tool.json", 1, "cpu", std::move(solver));
+  SolverRun run(rain_on_a_tool(), "tool.json", 1, tested_backend_name(), std::move(solver));
   std::vector<double> seen;
   double stiffest = 0;  // along z
   const auto advance = [&] {
@@ -314,7 +312,7 @@ std::vector<double> seen_of(std::unique_ptr<protocol::LoadSolver> solver, std::s
 TEST(RankedSolver, PredictsTheMemoryOfAHost) {
   const nlohmann::json scene = rain_on_a_tool();
   const auto predicted = [&](std::unique_ptr<protocol::LoadSolver> solver) {
-    return SolverRun(scene, "test.json", 1, "cpu", std::move(solver))
+    return SolverRun(scene, "test.json", 1, tested_backend_name(), std::move(solver))
         .configured["dem_memory_predicted_MB"]
         .get<double>();
   };
