@@ -86,7 +86,7 @@ concept BackEnd = DeviceBuffer<typename E::template Buffer<std::uint32_t>> &&
 //   run_window(view, window, rebuild, step)
 //                              Runs steps until the window is done or WindowProgress::error is set. Calls
 //                              rebuild where a rebuild is due.
-//   sort_into_cells(n, cells, cell_of, key, scratch, start, source)
+//   sort_into_cells(n, cells, cell_of, key, scratch, start, source, order)
 //                              A stable counting sort into start (cells + 2) and source (n).
 //   fill_lists(n, FillPairs)   Like for_each_shared, for a functor that writes a sphere's entries next to
 //                              each other.

@@ -6,6 +6,7 @@
 
 #include "dem_server/laws/history.hpp"
 #include "dem_server/laws/particle_names.hpp"
+#include "particles/grid/index_order.hpp"
 #include "particles/grid/size_levels.hpp"
 #include "particles/state/particles.hpp"
 
@@ -38,6 +39,8 @@ struct ListCounts {
 
 template <class Real>
 struct RebuildArrays {
+  // Of the spheres before they are sorted: those that come from other ranks stand behind the others.
+  particles::IndexOrder order;
   std::uint32_t* source = nullptr;        // index before sorting (n)
   std::uint32_t* cell_start = nullptr;    // first index of each cell, those of parked spheres last
   std::uint32_t* coarse_start = nullptr;  // per cell of a coarse level: begin in `coarse_index`

@@ -161,12 +161,14 @@ struct RebuildBuffers {
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
 
+  particles::IndexOrder order;  // see RebuildArrays
   Buffer<std::uint32_t> source, cell_start, coarse_start, coarse_index;
   Buffer<ListCounts> count;
   Buffer<RollingSpring<Real>> carried_rolling;
 
   RebuildArrays<Real> view() {
-    return {source.data(),
+    return {order,
+            source.data(),
             cell_start.data(),
             coarse_start.data(),
             coarse_index.data(),

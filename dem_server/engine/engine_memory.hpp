@@ -139,14 +139,19 @@ struct EngineMemory {
     if (needs.rolling) rebuild.carried_rolling.resize(contacts);
   }
 
+  // Error{resource} where labels cannot refer to so many entries of ListBuffers::near.
+  void expect_near(std::size_t entries) const {
+    if (entries > Label::most_near)
+      throw Error(ErrorCode::resource,
+                  std::to_string(entries) + " times a sphere is near a body's walls; " +
+                      std::to_string(Label::most_near) + " can be told apart",
+                  "dem", "use fewer spheres");
+  }
+
   // To be called when a rebuild did not fit; it left state and lists as they were. `wanted` has the lengths
   // that it needs.
   void enlarge_lists(Exec& exec, const WindowProgress& wanted) {
-    if (wanted.near_entries > Label::most_near)
-      throw Error(ErrorCode::resource,
-                  std::to_string(wanted.near_entries) + " times a sphere is near a body's walls; " +
-                      std::to_string(Label::most_near) + " can be told apart",
-                  "dem", "use fewer spheres");
+    expect_near(wanted.near_entries);
     // Spare room: a part of the entries. Of many entries it is a sixteenth of that part, to save memory.
     // While spheres come in, lists grow with them and get more.
     const bool coming = n < all_spheres;

@@ -101,8 +101,10 @@ class EngineOf final : public Engine {
   CellShares balanced_shares();
   Destination<Real> destination(unsigned rank) const;
   void redistribute();
-  void unpack_spheres(const Travelling& all);
+  void take_in(const Travelling& all, std::uint32_t from_lower);
+  void grow_for(std::size_t pairs, std::size_t walls, std::size_t near);
   void find_own_and_ghosts();
+  void leave_out_parked();
   void connect_ghosts();
   void count_all_ranks();
   void number_ghosts();
@@ -256,6 +258,7 @@ EngineOf<Exec, Law, Real>::EngineOf(const EngineSetup& setup, Exec exec)
     exec_.let_host_rebuild();
     share_.owned = {0, share.end - share.begin};
     share_.all = window.used;
+    share_.first_ordinal = share.begin;
     exec_.grow(memory_.ranks.ordinal, memory_.n);
     exec_.for_each(memory_.n, CountUp{memory_.ranks.ordinal.data(), share.begin});
     largest_radius_ = *std::ranges::max_element(radius_);
@@ -394,6 +397,7 @@ void EngineOf<Exec, Law, Real>::rebuild() {
     refresh_view();
     exec_.for_each(1, ForgetOverflow<Real>{view_});
   }
+  leave_out_parked();
   connect_ghosts();
 }
 
@@ -403,7 +407,7 @@ void EngineOf<Exec, Law, Real>::list_neighbours() {
   static_assert(sizeof(ListCounts) >= 2 * sizeof(std::uint32_t));
   auto* const keys = reinterpret_cast<std::uint32_t*>(memory_.rebuild.count.data());
   exec_.sort_into_cells(memory_.n, memory_.cells(), FindCell<Real>{view_}, keys, keys + memory_.n,
-                        memory_.rebuild.cell_start, memory_.rebuild.source);
+                        memory_.rebuild.cell_start, memory_.rebuild.source, memory_.rebuild.order);
   if (ranks_ != nullptr) find_own_and_ghosts();
   exec_.for_each(memory_.n, MoveSphere<Real, Law>{view_});
   if (view_.grid.levels > 1)

@@ -54,7 +54,7 @@ Destination<Real> EngineOf<Exec, Law, Real>::destination(unsigned rank) const {
 // Chooses the cells of the ranks anew where their work differs, or is to differ otherwise than before.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::balance() {
-  constexpr double even = 1.02;  // to look at all spheres costs some milliseconds of a million
+  constexpr double even = 1.03;  // to look at all spheres costs some milliseconds of a million
   const std::vector<std::int64_t> weights = ranks_->weights();
   if (!cell_shares_.empty() && rank_imbalance_ < even && weights == shared_by_) return;
   cell_shares_ = balanced_shares();
@@ -63,22 +63,24 @@ void EngineOf<Exec, Law, Real>::balance() {
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::redistribute() {
+  memory_.rebuild.order = view_.rebuild.order = {};
   balance();
   auto& r = memory_.ranks;
+  const unsigned size = ranks_->size(), here = ranks_->rank();
   const std::uint32_t own = share_.owned.end - share_.owned.begin;
-  exec_.grow(r.count, own + 1);
+  exec_.grow(r.count, own + own / 8 + 1);
   exec_.grow(r.total, 1);
-  exec_.grow(r.number, 1);
   exec_.upload(r.number, std::span<const std::uint32_t>(&own, 1));
   std::vector<Travelling> to{{}};  // sums over all lower ranks
-  for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
-    const Destination<Real> there = destination(rank);
-    exec_.for_each(own, CountTravelling<Law, Real>{view_, there, r.count.data()});
-    exec_.exclusive_sum(r.count, own + 1);
-    exec_.for_each(1, Gather<Travelling>{r.count.data(), r.number.data(), r.total.data()});
-    Travelling count;
-    exec_.download(r.total, std::span<Travelling>(&count, 1));
+  for (unsigned rank = 0; rank < size; ++rank) {
     const Travelling before = to.back();
+    Travelling count;
+    if (rank != here) {
+      exec_.for_each(own, CountTravelling<Law, Real>{view_, destination(rank), r.count.data()});
+      exec_.exclusive_sum(r.count, own + 1);
+      exec_.for_each(1, Gather<Travelling>{r.count.data(), r.number.data(), r.total.data()});
+      exec_.download(r.total, std::span<Travelling>(&count, 1));
+    }
     to.push_back(before + count);
     if (count.spheres == 0) continue;
     r.out.grow(exec_, to.back());
@@ -87,43 +89,64 @@ void EngineOf<Exec, Law, Real>::redistribute() {
                             r.out.contacts.data() + before.contacts, r.out.walls.data() + before.walls});
   }
   std::vector<Travelling> of_ranks;
-  for (unsigned rank = 0; rank < ranks_->size(); ++rank) of_ranks.push_back(to[rank + 1] - to[rank]);
+  for (unsigned rank = 0; rank < size; ++rank) of_ranks.push_back(to[rank + 1] - to[rank]);
   std::vector<Travelling> from{{}};
   for (const Travelling& count : exchange_values<Travelling>(*ranks_, of_ranks))
     from.push_back(from.back() + count);
   r.in.grow(exec_, from.back());
+  std::vector<ExchangedArray> arrays;
   const auto exchange = [&](auto& out, auto& in, std::uint32_t Travelling::*which) {
     const auto ranges = [which](const std::vector<Travelling>& sums) {
       std::vector<Range> parts;
       for (std::size_t k = 0; k + 1 < sums.size(); ++k) parts.push_back({sums[k].*which, sums[k + 1].*which});
       return parts;
     };
-    rank_exchange_.exchange(exec_, out, ranges(to), in, ranges(from));
+    arrays.push_back(exchanged(out, ranges(to), in, ranges(from)));
   };
   exchange(r.out.spheres, r.in.spheres, &Travelling::spheres);
   if constexpr (Law::tangential) {
     exchange(r.out.contacts, r.in.contacts, &Travelling::contacts);
     exchange(r.out.walls, r.in.walls, &Travelling::walls);
   }
-  unpack_spheres(from.back());
+  rank_exchange_.exchange(exec_, arrays);
+  take_in(from.back(), from[here].spheres);
 }
 
+// Takes in what has arrived in memory_.ranks.in, `from_lower` spheres of it from lower ranks.
 template <BackEnd Exec, class Law, class Real>
-void EngineOf<Exec, Law, Real>::unpack_spheres(const Travelling& all) {
-  const std::uint32_t n = all.spheres;
-  memory_.resize_spheres(exec_, n, n + n / 8);
-  memory_.grow_pairs(exec_, all.contacts);
-  memory_.now.lists.grow_springs(exec_, all.contacts, memory_.needs);
-  memory_.now.lists.grow_walls(exec_, all.walls, memory_.needs);
-  memory_.grow_near(exec_, all.walls);
+void EngineOf<Exec, Law, Real>::take_in(const Travelling& all, std::uint32_t from_lower) {
   auto& r = memory_.ranks;
+  const WindowProgress window = present_progress();
+  const bool are_lists = window.rebuilds > 0;
+  const ListEnds ends =
+      are_lists ? ListEnds{window.listed, static_cast<std::uint32_t>(window.wall_entries), window.near}
+                : ListEnds{};
+  const std::uint32_t n = share_.owned.end + all.spheres;
+  memory_.resize_spheres(exec_, n, n + n / 8);
+  grow_for(ends.pairs + all.contacts, ends.walls + all.walls, ends.near + all.walls);
   exec_.grow(r.ordinal, memory_.now.spheres.position[0].size());
-  exec_.grow(r.count, n + 1);
+  exec_.grow(r.count, all.spheres + 1);
   refresh_view();
-  exec_.for_each(n, CountReceived<Real>{r.in.spheres.data(), r.ordinal.data(), r.count.data()});
-  exec_.exclusive_sum(r.count, n + 1);
-  exec_.for_each(n + 1, Unpack<Law, Real>{view_, n, r.count.data(), r.ordinal.data(), r.in.spheres.data(),
-                                          r.in.contacts.data(), r.in.walls.data()});
+  const FindOrdinal<Real> find{share_.owned, share_.first_ordinal, r.in.spheres.data(), all.spheres};
+  exec_.for_each(share_.owned.end,
+                 Stay<Law, Real>{view_, destination(ranks_->rank()), find, r.ordinal.data()});
+  exec_.for_each(all.spheres, CountArrived<Real>{r.in.spheres.data(), r.count.data()});
+  exec_.exclusive_sum(r.count, all.spheres + 1);
+  exec_.for_each(all.spheres + 1, Unpack<Law, Real>{view_, find, ends, r.count.data(), r.in.contacts.data(),
+                                                    r.in.walls.data()});
+  memory_.rebuild.order = view_.rebuild.order = {share_.owned.end, from_lower};
+}
+
+// Makes room for lists of these lengths, and for what a rebuild carries over from them.
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::grow_for(std::size_t pairs, std::size_t walls, std::size_t near) {
+  const ContactLists<Real> room = memory_.now.lists.view(memory_.needs);
+  const auto with_spare = [](std::size_t entries) { return entries + entries / 16 + 64; };
+  if (pairs > room.pair_capacity) memory_.grow_pairs(exec_, with_spare(pairs));
+  if (pairs > room.spring_capacity) memory_.now.lists.grow_springs(exec_, with_spare(pairs), memory_.needs);
+  if (walls > room.wall_capacity) memory_.now.lists.grow_walls(exec_, with_spare(walls), memory_.needs);
+  memory_.expect_near(near);
+  if (near > room.near_capacity) memory_.grow_near(exec_, with_spare(near));
 }
 
 // To be called when the spheres have been sorted into cells.
@@ -145,13 +168,23 @@ void EngineOf<Exec, Law, Real>::find_own_and_ghosts() {
     if (rank != ranks_->rank()) share_.links.push_back({rank, {}, {first[rank], first[rank + 1]}});
 }
 
+// Steps keep the state of parked spheres only where they are among the own ones. They come last.
+template <BackEnd Exec, class Law, class Real>
+void EngineOf<Exec, Law, Real>::leave_out_parked() {
+  std::uint32_t present = share_.owned.end;
+  for (const GhostLink& link : share_.links) present = std::max(present, link.ghosts.end);
+  memory_.resize_spheres(exec_, present);
+  refresh_view();
+  exec_.for_each(1, SetIndices<Real>{view_});
+}
+
 // To be called when the lists are built.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::connect_ghosts() {
   auto& r = memory_.ranks;
   const std::uint32_t own = share_.owned.end - share_.owned.begin;
   exec_.upload(r.number, std::span<const std::uint32_t>(&own, 1));
-  exec_.grow(r.flag, own + 1);
+  exec_.grow(r.flag, own + own / 8 + 1);
   exec_.grow(r.sent, 1);
   std::uint32_t listed = 0;
   for (GhostLink& link : share_.links) {
@@ -198,6 +231,7 @@ void EngineOf<Exec, Law, Real>::count_all_ranks() {
   const auto lower = spheres.begin() + ranks_->rank();
   const auto first = static_cast<std::uint32_t>(std::accumulate(spheres.begin(), lower, std::int64_t{0}));
   share_.all = static_cast<std::uint32_t>(std::accumulate(lower, spheres.end(), std::int64_t{first}));
+  share_.first_ordinal = first;
   exec_.grow(r.ordinal, memory_.n);
   exec_.for_each(own.end - own.begin, CountUp{r.ordinal.data() + own.begin, first});
 }
@@ -213,7 +247,8 @@ void EngineOf<Exec, Law, Real>::number_ghosts() {
   }
   exec_.grow(r.sent, sent);
   exec_.for_each(sent, Gather<std::uint32_t>{r.ordinal.data(), r.send.data(), r.sent.data()});
-  rank_exchange_.exchange(exec_, r.sent, to, r.ordinal, from);
+  const ExchangedArray ordinals = exchanged(r.sent, to, r.ordinal, from);
+  rank_exchange_.exchange(exec_, {&ordinals, 1});
 }
 
 // Spheres that come in follow all others in order. The last rank has no ghosts behind its own spheres, so

@@ -104,6 +104,7 @@ void EngineOf<Exec, Law, Real>::take_part() {
     return static_cast<std::uint32_t>(at - ordinal_here.begin());
   };
   share_.all = used;
+  share_.first_ordinal = own.begin;
   share_.owned = {index_of(own.begin), index_of(own.end)};
   share_.links.clear();
   for (unsigned rank = 0; rank < ranks_->size(); ++rank) {

@@ -11,8 +11,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "dem_server/laws/particle_names.hpp"
@@ -67,6 +69,20 @@ struct GhostLink {
   Range ghosts;  // spheres of that rank that are ghosts here
 };
 
+// An array that ranks exchange: rank r gets the entries to[r] of `out`, and what rank r sends arrives in the
+// entries from[r] of `in`. A rank sends nothing to itself.
+struct ExchangedArray {
+  std::byte* out = nullptr;
+  std::byte* in = nullptr;
+  std::size_t entry = 0;  // bytes
+  std::vector<Range> to, from;
+};
+template <class Buffer>
+ExchangedArray exchanged(Buffer& out, std::vector<Range> to, Buffer& in, std::vector<Range> from) {
+  return {reinterpret_cast<std::byte*>(out.data()), reinterpret_cast<std::byte*>(in.data()),
+          sizeof(*out.data()), std::move(to), std::move(from)};
+}
+
 // Of `count` things in order, the part of a rank.
 inline Range equal_share(std::uint32_t count, unsigned rank, unsigned ranks) {
   const auto begin = [&](std::uint64_t of) { return static_cast<std::uint32_t>(count * of / ranks); };
@@ -74,8 +90,9 @@ inline Range equal_share(std::uint32_t count, unsigned rank, unsigned ranks) {
 }
 
 struct RankShare {
-  Range owned;            // see SphereArrays
-  std::uint32_t all = 0;  // spheres of all ranks
+  Range owned;                      // see SphereArrays
+  std::uint32_t first_ordinal = 0;  // of the own spheres: their indices where one process had all spheres
+  std::uint32_t all = 0;            // spheres of all ranks
   std::vector<GhostLink> links;
 };
 

@@ -21,7 +21,7 @@ struct FindWork {
     const std::uint32_t i = view.spheres.owned.begin + k;
     work[k] = {};
     if (is_parked(view.spheres.position[view.window->progress[0].state_side][i])) return;
-    work[k] = {FindCell<Real>{view}(i) / CellShares::cells_per_block, 2};
+    work[k] = {cell_of(view, i) / CellShares::cells_per_block, 2};
     if (view.window->rebuilds == 0) return;  // there are no lists yet
     const auto add = [&](const std::uint32_t* start) {
       const Range entries = entries_of(start, i);
@@ -64,6 +64,12 @@ struct Gather {
   const std::uint32_t* which;
   T* to;
   TANDEM_HD void operator()(std::uint32_t k) const { to[k] = from[which[k]]; }
+};
+
+template <class Real>
+struct SetIndices {
+  View<Real> view;
+  TANDEM_HD void operator()(std::uint32_t) const { view.window->indices = view.spheres.count; }
 };
 
 template <class Real>

@@ -1,15 +1,17 @@
 // Spheres and their contacts as they go from rank to rank when lists are rebuilt (engine/engine_ranks.hpp):
 //
 //   CountTravelling -> sum over all lower indices -> PackTravelling, for each rank that spheres go to
-//   CountReceived   -> sum over all lower indices -> Unpack
+//   Stay: what this rank keeps stays where it is
+//   CountArrived    -> sum over all lower indices -> Unpack, behind those that stay
 //
-// Those that a rank keeps go through the same arrays.
+// RebuildArrays::order then has the place of each sphere in the order of one process.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 
 #include "dem_server/contact/view.hpp"
+#include "dem_server/engine/rank_share.hpp"
 #include "dem_server/laws/history.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "dem_server/neighbours/build.hpp"
@@ -144,7 +146,7 @@ struct CountTravelling {
                        [&](std::uint32_t with, const Vec3<Real>&, const auto&, std::uint32_t) {
                          if ((with & wall_flag) == 0) ++mine.contacts;
                        });
-      if (to.has(FindCell<Real>{view}(i)))
+      if (to.has(cell_of(view, i)))
         for_each_carried_wall(view, i, label, [&](const NearBody&, std::uint32_t) { ++mine.walls; });
     }
   }
@@ -197,48 +199,99 @@ struct PackTravelling {
   }
 };
 
+// Finds spheres by their ordinals: the own ones, and behind them those that have arrived, whose ordinals
+// ascend.
 template <class Real>
-struct CountReceived {
-  const TravellingSphere<Real>* spheres;
-  std::uint32_t* ordinal;
-  Travelling* count;
+struct FindOrdinal {
+  Range owned;
+  std::uint32_t first_ordinal;  // of the own spheres, which follow each other
+  const TravellingSphere<Real>* arrived;
+  std::uint32_t arrivals;
+  static constexpr std::uint32_t nowhere = ~0u;
 
-  TANDEM_HD void operator()(std::uint32_t i) const {
-    ordinal[i] = spheres[i].ordinal;
-    count[i] = {1, spheres[i].contacts, spheres[i].walls};
+  TANDEM_HD std::uint32_t operator()(std::uint32_t wanted) const {
+    if (wanted - first_ordinal < owned.end - owned.begin) return owned.begin + (wanted - first_ordinal);
+    std::uint32_t low = 0, high = arrivals;
+    while (low < high) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      if (arrived[middle].ordinal < wanted)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    return low < arrivals && arrived[low].ordinal == wanted ? owned.end + low : nowhere;
   }
 };
 
-// Replaces sphere i, and its lists by the contacts that came with it. Each rank sends in the order of
-// ordinals, and lower ranks have lower ordinals, so that ordinals ascend. Runs for i = n, too.
+// For each index up to the end of the own spheres: parks the ghosts, which come anew, and the own spheres
+// that this rank no longer needs. Contacts of the others with ghosts now refer to those that have arrived.
+template <class Law, class Real>
+struct Stay {
+  View<Real> view;
+  Destination<Real> here;
+  FindOrdinal<Real> find;
+  const std::uint32_t* ordinal;
+
+  TANDEM_HD void operator()(std::uint32_t i) const {
+    PositionRadius<Real>& position = view.spheres.position[view.window->progress[0].state_side][i];
+    if (!view.spheres.owns(i) || (!is_parked(position) && !here.needs(view, i)))
+      position.radius = parked_radius<Real>;
+    if (is_parked(position)) return;
+    if constexpr (Law::tangential) {
+      const Range entries = entries_of(view.lists.pairs.start, i);
+      for (std::uint32_t k = entries.begin; k < entries.end; ++k) {
+        const Neighbour other = view.lists.pairs.entry[k];
+        if (!other.in_contact() || view.spheres.owns(other.index())) continue;
+        const std::uint32_t now = find(ordinal[other.index()]);
+        view.lists.pairs.entry[k] =
+            Neighbour::of(now != find.nowhere ? now : i, now != find.nowhere);  // one of them was taken out
+      }
+    }
+  }
+};
+
+template <class Real>
+struct CountArrived {
+  const TravellingSphere<Real>* arrived;
+  Travelling* count;
+  TANDEM_HD void operator()(std::uint32_t k) const { count[k] = {1, arrived[k].contacts, arrived[k].walls}; }
+};
+
+// Lengths of lists in use.
+struct ListEnds {
+  std::uint32_t pairs = 0, walls = 0, near = 0;
+};
+
+// Puts the k-th sphere that has arrived behind the own ones, and its contacts behind their lists. Runs for
+// k = arrivals, too.
 template <class Law, class Real>
 struct Unpack {
   View<Real> view;
-  std::uint32_t n;
+  FindOrdinal<Real> find;
+  ListEnds ends;
   const Travelling* before;
-  const std::uint32_t* ordinal;
-  const TravellingSphere<Real>* spheres;
   const TravellingContact<Real>* contacts;
   const TravellingWall<Real>* walls;
 
-  TANDEM_HD void operator()(std::uint32_t i) const {
+  TANDEM_HD void operator()(std::uint32_t k) const {
     const ContactLists<Real>& lists = view.lists;
-    const Travelling at = before[i];
-    lists.pairs.start[i] = at.contacts;
-    if (i == n) {
+    const Travelling at = before[k];
+    const std::uint32_t i = find.owned.end + k, first_near = ends.near + at.walls;
+    lists.pairs.start[i] = ends.pairs + at.contacts;
+    if (k == find.arrivals) {
       WindowProgress& window = *view.window;
-      window.indices = n;
-      window.listed = at.contacts;
-      window.near = at.walls;
+      window.indices = i;
+      window.listed = ends.pairs + at.contacts;
+      window.near = first_near;
       return;
     }
-    const Travelling end = before[i + 1];
-    const TravellingSphere<Real>& sphere = spheres[i];
+    const Travelling end = before[k + 1];
+    const TravellingSphere<Real>& sphere = find.arrived[k];
     const std::uint32_t side = view.window->progress[0].state_side;
     view.spheres.position[side][i] = sphere.position;
     VelocityKind<Real> velocity = sphere.velocity;
     velocity.label = Label::of_kind(velocity.kind());
-    velocity.label.set_near(at.walls, end.walls - at.walls);
+    velocity.label.set_near(first_near, end.walls - at.walls);
     view.spheres.velocity[side][i] = velocity;
     if constexpr (Law::tangential)
       view.spheres.spin[side][i] = sphere.spin;
@@ -246,34 +299,20 @@ struct Unpack {
       view.spheres.id[i] = sphere.id;
     if constexpr (has_fine_part<Real>) view.spheres.fine[i] = sphere.fine;
 
-    for (std::uint32_t k = at.contacts; k < end.contacts; ++k) {
-      const TravellingContact<Real>& contact = contacts[k];
-      const std::uint32_t other = index_of(contact.with);
+    for (std::uint32_t c = at.contacts; c < end.contacts; ++c) {
+      const std::uint32_t other = find(contacts[c].with), entry = ends.pairs + c;
       // Where the other sphere is not here, neither of the two is moved here, and no list will have them.
-      lists.pairs.entry[k] = Neighbour::of(other < n ? other : 0, other < n);
-      lists.pairs.spring[k] = contact.spring;
-      if (lists.pairs.rolling != nullptr) lists.pairs.rolling[k] = contact.rolling;
+      lists.pairs.entry[entry] = Neighbour::of(other != find.nowhere ? other : i, other != find.nowhere);
+      lists.pairs.spring[entry] = contacts[c].spring;
+      if (lists.pairs.rolling != nullptr) lists.pairs.rolling[entry] = contacts[c].rolling;
     }
-    for (std::uint32_t k = at.walls; k < end.walls; ++k) {
-      lists.near[k] = {i, walls[k].body, k, 1};
-      lists.walls.entry[k] = walls[k].facet;
-      lists.walls.history[k] = walls[k].history;
-      if (lists.walls.rolling != nullptr) lists.walls.rolling[k] = walls[k].rolling;
+    for (std::uint32_t w = at.walls; w < end.walls; ++w) {
+      const std::uint32_t entry = ends.walls + w;
+      lists.near[ends.near + w] = {i, walls[w].body, entry, 1};
+      lists.walls.entry[entry] = walls[w].facet;
+      lists.walls.history[entry] = walls[w].history;
+      if (lists.walls.rolling != nullptr) lists.walls.rolling[entry] = walls[w].rolling;
     }
-  }
-
- private:
-  // n where there is none.
-  TANDEM_HD std::uint32_t index_of(std::uint32_t wanted) const {
-    std::uint32_t low = 0, high = n;
-    while (low < high) {
-      const std::uint32_t middle = low + (high - low) / 2;
-      if (ordinal[middle] < wanted)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    return low < n && ordinal[low] == wanted ? low : n;
   }
 };
 

@@ -61,16 +61,18 @@ TANDEM_HD std::uint32_t first_parked_cell(const View<Real>& view) {
   return std::max(view.grid.finest[0].total, view.grid.finest[1].total);
 }
 template <class Real>
+TANDEM_HD std::uint32_t cell_of(const View<Real>& view, std::uint32_t i) {
+  const WindowProgress& c = *view.window;
+  const CellGrid& g = view.cells();
+  if (is_parked(view.spheres.position[c.progress[0].state_side][i]))
+    return first_parked_cell(view) + i / indices_per_parked_cell;
+  const Vec3d x = view.position_in_domain(view.centre(c.progress[0].state_side, i));
+  return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
+}
+template <class Real>
 struct FindCell {
   View<Real> view;
-  TANDEM_HD std::uint32_t operator()(std::uint32_t i) const {
-    const WindowProgress& c = *view.window;
-    const CellGrid& g = view.cells();
-    if (is_parked(view.spheres.position[c.progress[0].state_side][i]))
-      return first_parked_cell(view) + i / indices_per_parked_cell;
-    const Vec3d x = view.position_in_domain(view.centre(c.progress[0].state_side, i));
-    return g.number(g.along(x.x, 0), g.along(x.y, 1), g.along(x.z, 2));
-  }
+  TANDEM_HD std::uint32_t operator()(std::uint32_t i) const { return cell_of(view, i); }
 };
 
 template <class Real, class Law>
@@ -176,17 +178,19 @@ struct CountPairs {
 };
 
 // Calls found(with, spring, list, k) for every contact that is carried over and owned by the sphere at old
-// index i, whose label is `label`: entry k of the list. The sphere with the lower index owns the contact of
-// two spheres, whether or not pairs are evaluated once. Only contacts of the last micro step have a history;
-// among the entries of a patch only the first can.
+// index i, whose label is `label`: entry k of the list. The sphere that comes first in RebuildArrays::order
+// owns the contact of two spheres, whether or not pairs are evaluated once. Only contacts of the last micro
+// step have a history; among the entries of a patch only the first can.
 template <class Real, class Found>
 TANDEM_HD void for_each_carried(const View<Real>& view, std::uint32_t i, const Label& label, Found found) {
   const std::uint32_t last = view.window->progress[0].stamp - 1;
+  const IndexOrder order = view.rebuild.order;
   const PairList<Real>& pairs = view.lists.pairs;
   const WallList<Real>& walls = view.lists.walls;
   for (std::uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; ++k) {
     const Neighbour other = fetch(pairs.entry + k);
-    if (other.in_contact() && other.index() > i) found(other.index(), pairs.spring[k], pairs, k);
+    if (other.in_contact() && order.place(other.index()) > order.place(i))
+      found(other.index(), pairs.spring[k], pairs, k);
   }
   const Range bodies = view.near_of(i, label);
   for (std::uint32_t b = bodies.begin; b < bodies.end; ++b) {
@@ -357,7 +361,8 @@ struct FillPairs {
     std::uint32_t carried = not_carried;
     if constexpr (Law::tangential) {
       const std::uint32_t was = view.rebuild.source[i], other = view.rebuild.source[j];
-      const bool reversed = other < was;
+      const IndexOrder order = view.rebuild.order;
+      const bool reversed = order.place(other) < order.place(was);
       if (Law::extended || touching)
         carried = find_carried(view, reversed ? other : was, reversed ? was : other);
       pairs.spring[k] = take_over<Law>(view, pairs, k, carried, reversed);

@@ -20,22 +20,22 @@ class CpuRankExchange {
  public:
   explicit CpuRankExchange(Ranks* ranks) : ranks_(ranks) {}
 
-  // Sends out[to[r]] to each rank r. What rank r has sent, whose length is known, arrives in in[from[r]].
-  template <class Exec, class Out, class In>
-  void exchange(Exec&, Out& out, std::span<const Range> to, In& in, std::span<const Range> from) {
-    std::vector<Ranks::Parcel> outgoing, incoming;
-    const auto part = [](auto& buffer, Range range) {
-      return std::as_writable_bytes(std::span(buffer.data() + range.begin, range.end - range.begin));
+  template <class Exec>
+  void exchange(Exec&, std::span<const ExchangedArray> arrays) {
+    const auto part = [](std::byte* begin, std::size_t entry, Range range) {
+      return std::span(begin + range.begin * entry, (range.end - range.begin) * entry);
     };
-    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
-      if (rank == ranks_->rank()) {
-        std::copy(out.data() + to[rank].begin, out.data() + to[rank].end, in.data() + from[rank].begin);
-        continue;
+    for (const ExchangedArray& array : arrays) {
+      std::vector<Ranks::Parcel> outgoing, incoming;
+      for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+        if (rank == ranks_->rank()) continue;
+        if (array.to[rank].begin < array.to[rank].end)
+          outgoing.push_back({rank, part(array.out, array.entry, array.to[rank])});
+        if (array.from[rank].begin < array.from[rank].end)
+          incoming.push_back({rank, part(array.in, array.entry, array.from[rank])});
       }
-      if (to[rank].begin < to[rank].end) outgoing.push_back({rank, part(out, to[rank])});
-      if (from[rank].begin < from[rank].end) incoming.push_back({rank, part(in, from[rank])});
+      ranks_->swap(outgoing, incoming);
     }
-    ranks_->swap(outgoing, incoming);
   }
 
   // To be called when the ghosts have changed, which they have on all ranks. `send`: see GhostLink.

@@ -155,58 +155,10 @@ class CudaRankExchange {
   CudaRankExchange(const CudaRankExchange&) = delete;
   CudaRankExchange& operator=(const CudaRankExchange&) = delete;
 
-  // See backend/cpu/rank_exchange_cpu.hpp.
-  template <class Exec, class Out, class In>
-  void exchange(Exec& exec, Out& out, std::span<const Range> to, In& in, std::span<const Range> from) {
-    using T = std::remove_cvref_t<decltype(*out.data())>;
+  template <class Exec>
+  void exchange(Exec& exec, std::span<const ExchangedArray> arrays) {
     begin();
-    const auto copy = [&](void* into, const void* of, std::size_t count) {
-      if (count > 0)
-        check_cuda(cudaMemcpyAsync(into, of, count * sizeof(T), cudaMemcpyDefault, exec.stream()),
-                   "copying between ranks");
-    };
-    const auto length = [](Range range) { return std::size_t{range.end} - range.begin; };
-    const unsigned own = ranks_->rank();
-    copy(in.data() + from[own].begin, out.data() + to[own].begin, length(to[own]));
-    if (!peers_) {
-      std::vector<Ranks::Bytes> parts(ranks_->size());
-      for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
-        if (rank == own) continue;
-        parts[rank].resize(length(to[rank]) * sizeof(T));
-        copy(parts[rank].data(), out.data() + to[rank].begin, length(to[rank]));
-      }
-      wait(exec);
-      const std::vector<Ranks::Bytes> received = ranks_->exchange(parts);
-      for (unsigned rank = 0; rank < ranks_->size(); ++rank)
-        if (rank != own) copy(in.data() + from[rank].begin, received[rank].data(), length(from[rank]));
-      return wait(exec);
-    }
-    // Others read from a copy: while they do, this rank goes on. It fills the same copy again after it has
-    // got their messages of the next exchange, before which they wait for what they read.
-    struct Offer {
-      PeerAddress address;
-      std::uint64_t at = 0;
-    };
-    SharedMemory& shared = offered_[turn_++ % 2];
-    std::vector<Offer> offers(ranks_->size());
-    std::uint64_t bytes = 0;
-    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
-      if (rank == own) continue;
-      offers[rank].at = bytes;
-      bytes += (length(to[rank]) * sizeof(T) + 15) / 16 * 16;
-    }
-    shared.reserve(std::max<std::uint64_t>(bytes, 16));
-    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
-      offers[rank].address = shared.address();
-      if (rank != own) copy(shared.data() + offers[rank].at, out.data() + to[rank].begin, length(to[rank]));
-    }
-    wait(exec);
-    const std::vector<Offer> offered = exchange_values<Offer>(*ranks_, offers);
-    for (unsigned rank = 0; rank < ranks_->size(); ++rank)
-      if (rank != own && length(from[rank]) > 0)
-        copy(in.data() + from[rank].begin, opened_->open(offered[rank].address) + offered[rank].at,
-             length(from[rank]));
-    wait(exec);
+    peers_ ? exchange_by_peers(exec, arrays) : exchange_by_host(exec, arrays);
   }
 
   template <class Exec, class Buffer>
@@ -244,7 +196,7 @@ class CudaRankExchange {
   using Incoming = typename Letters<Real, with_spin>::Incoming;
   template <class T>
   using Buffer = particles::DeviceExec::Buffer<T>;
-  static constexpr unsigned threads = 128, most_blocks = 64;
+  static constexpr unsigned threads = 128, most_blocks = 528;
 
   void begin() {
     if (opened_ != nullptr) return;
@@ -254,6 +206,78 @@ class CudaRankExchange {
   template <class Exec>
   static void wait(Exec& exec) {
     check_cuda(cudaStreamSynchronize(exec.stream()), "copying between ranks");
+  }
+
+  template <class Exec>
+  static void copy(Exec& exec, void* to, const void* from, std::size_t bytes) {
+    if (bytes > 0)
+      check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, exec.stream()), "copying between ranks");
+  }
+  static std::size_t length(const ExchangedArray& array, Range range) {
+    return (std::size_t{range.end} - range.begin) * array.entry;
+  }
+
+  // Others read from a copy: while they do, this rank goes on. It fills the same copy again after it has got
+  // their messages of the next exchange, before which they wait for what they read.
+  template <class Exec>
+  void exchange_by_peers(Exec& exec, std::span<const ExchangedArray> arrays) {
+    struct Offer {
+      PeerAddress address;
+      std::uint64_t at = 0;
+    };
+    SharedMemory& shared = offered_[turn_++ % 2];
+    const auto padded = [](std::size_t bytes) { return (bytes + 15) / 16 * 16; };
+    std::vector<Offer> offers(ranks_->size());
+    std::uint64_t bytes = 0;
+    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+      offers[rank].at = bytes;
+      if (rank == ranks_->rank()) continue;
+      for (const ExchangedArray& array : arrays) bytes += padded(length(array, array.to[rank]));
+    }
+    shared.reserve(std::max<std::uint64_t>(bytes, 16));
+    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+      offers[rank].address = shared.address();
+      if (rank == ranks_->rank()) continue;
+      std::byte* at = shared.data() + offers[rank].at;
+      for (const ExchangedArray& array : arrays) {
+        const std::size_t count = length(array, array.to[rank]);
+        copy(exec, at, array.out + array.to[rank].begin * array.entry, count);
+        at += padded(count);
+      }
+    }
+    wait(exec);
+    const std::vector<Offer> offered = exchange_values<Offer>(*ranks_, offers);
+    for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+      if (rank == ranks_->rank()) continue;
+      std::size_t all = 0;
+      for (const ExchangedArray& array : arrays) all += length(array, array.from[rank]);
+      if (all == 0) continue;
+      const std::byte* at = opened_->open(offered[rank].address) + offered[rank].at;
+      for (const ExchangedArray& array : arrays) {
+        const std::size_t count = length(array, array.from[rank]);
+        copy(exec, array.in + array.from[rank].begin * array.entry, at, count);
+        at += padded(count);
+      }
+    }
+    wait(exec);
+  }
+  template <class Exec>
+  void exchange_by_host(Exec& exec, std::span<const ExchangedArray> arrays) {
+    for (const ExchangedArray& array : arrays) {
+      std::vector<Ranks::Bytes> parts(ranks_->size());
+      for (unsigned rank = 0; rank < ranks_->size(); ++rank) {
+        if (rank == ranks_->rank()) continue;
+        parts[rank].resize(length(array, array.to[rank]));
+        copy(exec, parts[rank].data(), array.out + array.to[rank].begin * array.entry, parts[rank].size());
+      }
+      wait(exec);
+      const std::vector<Ranks::Bytes> received = ranks_->exchange(parts);
+      for (unsigned rank = 0; rank < ranks_->size(); ++rank)
+        if (rank != ranks_->rank())
+          copy(exec, array.in + array.from[rank].begin * array.entry, received[rank].data(),
+               length(array, array.from[rank]));
+      wait(exec);
+    }
   }
 
   // Memory for messages of others: reports of all ranks for even and odd messages, then ghosts likewise.

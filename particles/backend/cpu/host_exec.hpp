@@ -12,6 +12,7 @@
 #include "particles/backend/traits.hpp"
 #include "particles/base/range.hpp"
 #include "particles/base/thread_pool.hpp"
+#include "particles/grid/index_order.hpp"
 
 namespace tandem::particles {
 
@@ -68,19 +69,23 @@ class HostExec : public CpuTraits {
     });
   }
 
-  // Sorts n spheres by cell; cell_of(i) < cells. Spheres of one cell keep their order. start: first position
-  // of each cell in `source` (cells + 2); source: former index of each sphere (n); key: memory for the sort
-  // (n).
+  // Sorts n spheres by cell; cell_of(i) < cells. Spheres of one cell keep their `order`. start: first
+  // position of each cell in `source` (cells + 2); source: former index of each sphere (n); key: memory for
+  // the sort (n).
   template <class CellOf>
   void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
-                       std::uint32_t*, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
+                       std::uint32_t*, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source,
+                       IndexOrder order = {}) {
     for_each(n, [cell_of, key](std::uint32_t i) { key[i] = cell_of(i); });
     // Next free position of a cell; in the end that is the start of the cell after it.
     std::uint32_t* next = start.data() + 1;
     std::fill_n(start.data(), cells + 2, 0);
     for (std::uint32_t i = 0; i < n; ++i) ++next[key[i] + 1];
     std::partial_sum(next, next + cells + 1, next);
-    for (std::uint32_t i = 0; i < n; ++i) source.data()[next[key[i]]++] = i;
+    for (std::uint32_t place = 0; place < n; ++place) {
+      const std::uint32_t i = order.index(place);
+      source.data()[next[key[i]]++] = i;
+    }
   }
   template <class T>
   void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {

@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "particles/grid/index_order.hpp"
+
 namespace tandem::particles {
 
 template <class CellOf>
@@ -25,10 +27,13 @@ struct ScatterToCells {
 struct OrderInCells {
   const std::uint32_t *key, *unordered, *start;
   std::uint32_t* source;
+  IndexOrder order;
   __device__ void operator()(std::uint32_t k) const {
-    const std::uint32_t i = unordered[k], cell = key[i], begin = start[cell], end = start[cell + 1];
+    const std::uint32_t i = unordered[k], cell = key[i], begin = start[cell], end = start[cell + 1],
+                        place = order.place(i);
     std::uint32_t at = begin;
-    for (std::uint32_t other = begin; other < end; ++other) at += unordered[other] < i ? 1 : 0;
+    for (std::uint32_t other = begin; other < end; ++other)
+      at += order.place(unordered[other]) < place ? 1 : 0;
     source[at] = i;
   }
 };

@@ -130,7 +130,8 @@ class DeviceExec : public CudaTraits {
   }
   template <class CellOf>
   void sort_into_cells(std::uint32_t n, std::uint32_t cells, CellOf cell_of, std::uint32_t* key,
-                       std::uint32_t* scratch, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source) {
+                       std::uint32_t* scratch, Buffer<std::uint32_t>& start, Buffer<std::uint32_t>& source,
+                       IndexOrder order = {}) {
     zero(start, cells + 2);
     if (!sizing_)
       count_cells_kernel<<<blocks(n, block(block_threads)), block(block_threads), 0, stream_>>>(
@@ -138,7 +139,7 @@ class DeviceExec : public CudaTraits {
     check_cuda(cudaGetLastError(), "starting a kernel");
     exclusive_sum(start, cells + 1);
     for_each(n, ScatterToCells{key, source.data(), start.data(), scratch});
-    for_each(n, OrderInCells{key, scratch, start.data(), source.data()});
+    for_each(n, OrderInCells{key, scratch, start.data(), source.data(), order});
   }
   template <class T>
   void exclusive_sum(Buffer<T>& counts, std::uint32_t n) {
