@@ -392,7 +392,10 @@ void EngineOf<Exec, Law, Real>::rebuild() {
   for (;;) {
     list_neighbours();
     const WindowProgress window = present_progress();
-    if ((window.error & list_overflow) == 0) break;
+    if ((window.error & list_overflow) == 0) {
+      share_.ends = {window.listed, static_cast<std::uint32_t>(window.wall_entries), window.near};
+      break;
+    }
     memory_.enlarge_lists(exec_, window);
     refresh_view();
     exec_.for_each(1, ForgetOverflow<Real>{view_});

@@ -35,10 +35,12 @@ CellShares EngineOf<Exec, Law, Real>::balanced_shares() {
   const CellGrid& grid = view_.grid.finest[window.skin > window.skins.usual ? 1 : 0];
   std::vector<std::int64_t> work((grid.total + per_block - 1) / per_block);
   auto& found = memory_.ranks.work;
-  std::vector<PlacedWork> of_spheres(share_.owned.end - share_.owned.begin);
+  // Spheres are in the order of the cells in which they were at the last rebuild, if there was one.
+  const std::uint32_t together = cell_shares_.empty() ? 1 : 32;
+  std::vector<PlacedWork> of_spheres((share_.owned.end - share_.owned.begin + together - 1) / together);
   exec_.grow(found, of_spheres.size());
   exec_.for_each(static_cast<std::uint32_t>(of_spheres.size()),
-                 FindWork<Real>{view_, Exec::pairs_once, found.data()});
+                 FindWork<Real>{view_, Exec::pairs_once, together, found.data()});
   if (!of_spheres.empty()) exec_.download(found, std::span<PlacedWork>(of_spheres));
   for (const PlacedWork& sphere : of_spheres)
     if (sphere.block != PlacedWork::nowhere) work[sphere.block] += sphere.work;
@@ -54,7 +56,7 @@ Destination<Real> EngineOf<Exec, Law, Real>::destination(unsigned rank) const {
 // Chooses the cells of the ranks anew where their work differs, or is to differ otherwise than before.
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::balance() {
-  constexpr double even = 1.03;  // to look at all spheres costs some milliseconds of a million
+  constexpr double even = 1.005;
   const std::vector<std::int64_t> weights = ranks_->weights();
   if (!cell_shares_.empty() && rank_imbalance_ < even && weights == shared_by_) return;
   cell_shares_ = balanced_shares();
@@ -116,11 +118,7 @@ void EngineOf<Exec, Law, Real>::redistribute() {
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::take_in(const Travelling& all, std::uint32_t from_lower) {
   auto& r = memory_.ranks;
-  const WindowProgress window = present_progress();
-  const bool are_lists = window.rebuilds > 0;
-  const ListEnds ends =
-      are_lists ? ListEnds{window.listed, static_cast<std::uint32_t>(window.wall_entries), window.near}
-                : ListEnds{};
+  const ListEnds ends = share_.ends;
   const std::uint32_t n = share_.owned.end + all.spheres;
   memory_.resize_spheres(exec_, n, n + n / 8);
   grow_for(ends.pairs + all.contacts, ends.walls + all.walls, ends.near + all.walls);
@@ -211,29 +209,33 @@ template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::count_all_ranks() {
   auto& r = memory_.ranks;
   const Range own = share_.owned;
-  std::vector<std::int64_t> spheres(ranks_->size()), work(ranks_->size());
-  spheres[ranks_->rank()] = own.end - own.begin;
-  work[ranks_->rank()] = 2 * spheres[ranks_->rank()];
-  const auto add_lists = [&](const std::uint32_t* start) {
-    std::uint32_t ends[2] = {own.begin, own.end};
-    exec_.upload(r.number, std::span<const std::uint32_t>(ends));
-    exec_.grow(r.sent, 2);
+  const std::vector<std::uint32_t> bounds{own.begin, own.end};
+  exec_.upload(r.number, std::span<const std::uint32_t>(bounds));
+  exec_.grow(r.sent, 2);
+  const auto entries = [&](const std::uint32_t* start) {
+    std::uint32_t ends[2];
     exec_.for_each(2, Gather<std::uint32_t>{start, r.number.data(), r.sent.data()});
     exec_.download(r.sent, std::span<std::uint32_t>(ends));
-    work[ranks_->rank()] += ends[1] - ends[0];
+    return std::int64_t{ends[1]} - ends[0];
   };
-  add_lists(view_.lists.pairs.start);
-  if constexpr (Exec::pairs_once) add_lists(view_.lists.mirror_start);
-  ranks_->sum(spheres);
-  ranks_->sum(work);
-  const double mean = std::accumulate(work.begin(), work.end(), 0.0) / ranks_->size();
-  rank_imbalance_ = mean > 0 ? static_cast<double>(std::ranges::max(work)) / mean : 1;
-  const auto lower = spheres.begin() + ranks_->rank();
-  const auto first = static_cast<std::uint32_t>(std::accumulate(spheres.begin(), lower, std::int64_t{0}));
-  share_.all = static_cast<std::uint32_t>(std::accumulate(lower, spheres.end(), std::int64_t{first}));
-  share_.first_ordinal = first;
+  struct Count {
+    std::int64_t spheres, work;
+  };
+  Count here{std::int64_t{own.end} - own.begin, 0};
+  here.work = 2 * here.spheres + entries(view_.lists.pairs.start);
+  if constexpr (Exec::pairs_once) here.work += entries(view_.lists.mirror_start);
+  const std::vector<Count> of_ranks(ranks_->size(), here);
+  std::int64_t spheres = 0, work = 0, most = 0;
+  const std::vector<Count> counts = exchange_values<Count>(*ranks_, of_ranks);
+  for (unsigned rank = 0; rank < counts.size(); ++rank) {
+    if (rank == ranks_->rank()) share_.first_ordinal = static_cast<std::uint32_t>(spheres);
+    spheres += counts[rank].spheres, work += counts[rank].work;
+    most = std::max(most, counts[rank].work);
+  }
+  rank_imbalance_ = work > 0 ? static_cast<double>(most) * ranks_->size() / static_cast<double>(work) : 1;
+  share_.all = static_cast<std::uint32_t>(spheres);
   exec_.grow(r.ordinal, memory_.n);
-  exec_.for_each(own.end - own.begin, CountUp{r.ordinal.data() + own.begin, first});
+  exec_.for_each(own.end - own.begin, CountUp{r.ordinal.data() + own.begin, share_.first_ordinal});
 }
 
 template <BackEnd Exec, class Law, class Real>

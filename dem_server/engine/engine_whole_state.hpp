@@ -104,6 +104,8 @@ void EngineOf<Exec, Law, Real>::take_part() {
     return static_cast<std::uint32_t>(at - ordinal_here.begin());
   };
   share_.all = used;
+  const WindowProgress& progress = state.host_window;
+  share_.ends = {progress.listed, static_cast<std::uint32_t>(progress.wall_entries), progress.near};
   share_.first_ordinal = own.begin;
   share_.owned = {index_of(own.begin), index_of(own.end)};
   share_.links.clear();

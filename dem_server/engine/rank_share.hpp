@@ -89,11 +89,17 @@ inline Range equal_share(std::uint32_t count, unsigned rank, unsigned ranks) {
   return {begin(rank), begin(std::uint64_t{rank} + 1)};
 }
 
+// Lengths of lists.
+struct ListEnds {
+  std::uint32_t pairs = 0, walls = 0, near = 0;
+};
+
 struct RankShare {
   Range owned;                      // see SphereArrays
   std::uint32_t first_ordinal = 0;  // of the own spheres: their indices where one process had all spheres
   std::uint32_t all = 0;            // spheres of all ranks
   std::vector<GhostLink> links;
+  ListEnds ends;  // of the lists here
 };
 
 }  // namespace tandem::dem

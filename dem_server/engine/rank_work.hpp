@@ -11,24 +11,33 @@ namespace tandem::dem {
 
 // Work of an own sphere in a step, in halves of that of a pair. A sphere takes as long as a pair in its list,
 // some 30 ns on a CPU [docs/experiments/2026-11-ranks.md].
+//
+// That of `together` spheres, which are in the block of the first of them, about.
 template <class Real>
 struct FindWork {
   View<Real> view;
   bool pairs_once;
+  std::uint32_t together;
   PlacedWork* work;
 
   TANDEM_HD void operator()(std::uint32_t k) const {
-    const std::uint32_t i = view.spheres.owned.begin + k;
-    work[k] = {};
-    if (is_parked(view.spheres.position[view.window->progress[0].state_side][i])) return;
-    work[k] = {cell_of(view, i) / CellShares::cells_per_block, 2};
-    if (view.window->rebuilds == 0) return;  // there are no lists yet
-    const auto add = [&](const std::uint32_t* start) {
-      const Range entries = entries_of(start, i);
-      work[k].work += entries.end - entries.begin;
-    };
-    add(view.lists.pairs.start);
-    if (pairs_once) add(view.lists.mirror_start);
+    const std::uint32_t side = view.window->progress[0].state_side;
+    PlacedWork found;
+    for (std::uint32_t of = 0; of < together; ++of) {
+      const std::uint32_t i = view.spheres.owned.begin + k * together + of;
+      if (i >= view.spheres.owned.end) break;
+      if (is_parked(view.spheres.position[side][i])) continue;
+      if (found.block == PlacedWork::nowhere) found.block = cell_of(view, i) / CellShares::cells_per_block;
+      found.work += 2;
+      if (view.window->rebuilds == 0) continue;  // there are no lists yet
+      const auto add = [&](const std::uint32_t* start) {
+        const Range entries = entries_of(start, i);
+        found.work += entries.end - entries.begin;
+      };
+      add(view.lists.pairs.start);
+      if (pairs_once) add(view.lists.mirror_start);
+    }
+    work[k] = found;
   }
 };
 

@@ -257,11 +257,6 @@ struct CountArrived {
   TANDEM_HD void operator()(std::uint32_t k) const { count[k] = {1, arrived[k].contacts, arrived[k].walls}; }
 };
 
-// Lengths of lists in use.
-struct ListEnds {
-  std::uint32_t pairs = 0, walls = 0, near = 0;
-};
-
 // Puts the k-th sphere that has arrived behind the own ones, and its contacts behind their lists. Runs for
 // k = arrivals, too.
 template <class Law, class Real>
