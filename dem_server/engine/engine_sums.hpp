@@ -34,10 +34,14 @@ void EngineOf<Exec, Law, Real>::begin_sums(std::uint32_t steps) {
 
 template <BackEnd Exec, class Law, class Real>
 void EngineOf<Exec, Law, Real>::close_sums(const WindowPlan& plan) {
-  if constexpr (Exec::on_host)
-    if (ranks_ != nullptr)
-      for (auto* of_window : {&memory_.dissipation_window, &memory_.wall_window})
-        ranks_->sum({of_window->data(), of_window->size()});
+  if (ranks_ != nullptr)
+    for (auto* of_window : {&memory_.dissipation_window, &memory_.wall_window}) {
+      std::vector<std::int64_t> sums(of_window->size());
+      if (sums.empty()) continue;
+      exec_.download(*of_window, std::span<std::int64_t>(sums));
+      ranks_->sum(sums);
+      exec_.upload(*of_window, std::span<const std::int64_t>(sums));
+    }
   if (memory_.dissipation_window.size() > 0)
     exec_.for_each(dissipation_count,
                    CloseDissipation{memory_.dissipation_window.data(), memory_.now.dissipated.data(),

@@ -18,17 +18,23 @@ void EngineOf<Exec, Law, Real>::find_tangents(std::span<const BodyPose> poses) {
   SumTangentRuns sum_runs{view_.window, view_.lists.near, memory_.bodies, memory_.tangents.of_pair.data(),
                           memory_.tangents.of_run.data()};
   // The lists of the ranks, one after the other, are that of one process with all spheres.
-  WindowProgress all;
-  std::vector<NearBody> near;
-  std::vector<WallTangent> tangents;
-  if constexpr (Exec::on_host)
-    if (ranks_ != nullptr) {
-      const std::uint32_t count = listed_pairs(*view_.window);
-      near = gathered(std::span<const NearBody>(view_.lists.near, count), true);
-      tangents = gathered(std::span<const WallTangent>(sum_runs.tangent, count), true);
-      all.near = static_cast<std::uint32_t>(near.size());
-      sum_runs.window = &all, sum_runs.near = near.data(), sum_runs.tangent = tangents.data();
-    }
+  if (ranks_ != nullptr) {
+    WindowProgress all = present_progress();
+    auto& r = memory_.ranks;
+    const std::uint32_t count = listed_pairs(all);
+    const auto gather = [&](const auto& own, auto& of_all) {
+      using T = std::remove_cvref_t<decltype(*of_all.data())>;
+      std::vector<T> values(count);
+      if (count > 0) exec_.download(own, std::span<T>(values));
+      values = gathered(std::span<const T>(values), true);
+      exec_.upload(of_all, std::span<const T>(values));
+      return static_cast<std::uint32_t>(values.size());
+    };
+    all.near = gather(memory_.now.lists.near, r.near);
+    gather(memory_.tangents.of_pair, r.tangent);
+    exec_.upload(r.window, std::span<const WindowProgress>(&all, 1));
+    sum_runs.window = r.window.data(), sum_runs.near = r.near.data(), sum_runs.tangent = r.tangent.data();
+  }
   exec_.for_each(tangent_runs * WallTangent::entries, sum_runs);
   exec_.for_each(memory_.bodies * WallTangent::entries,
                  SumTangents{memory_.bodies, memory_.tangents.of_run.data(), memory_.tangents.sum.data()});

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "dem_server/engine/contact_tangent.hpp"
 #include "dem_server/engine/travelling.hpp"
 #include "dem_server/laws/particle_names.hpp"
 
@@ -44,10 +45,16 @@ struct RankBuffers {
   Buffer<std::uint32_t> sent;    // ordinals on their way to other ranks
   Buffer<PlacedWork> work;       // of each own sphere
 
+  // For the tangents of all ranks.
+  Buffer<NearBody> near;
+  Buffer<WallTangent> tangent;
+  Buffer<WindowProgress> window;
+
   template <class F>
   void for_each(F f) const {
     f(ordinal), f(send), f(saved[0]), f(saved[1]), f(out.spheres), f(out.contacts), f(out.walls);
     f(in.spheres), f(in.contacts), f(in.walls), f(count), f(total), f(flag), f(number), f(sent), f(work);
+    f(near), f(tangent), f(window);
   }
 };
 
