@@ -182,6 +182,7 @@ class CudaRankExchange {
 
   template <class Exec>
   void refresh(Exec& exec, const View<Real>& view, std::uint32_t side) {
+    if (letters_.number == nullptr) return;  // before the first lists there are no ghosts
     pass(exec, view, nullptr, 0, side);
   }
   template <class Exec>

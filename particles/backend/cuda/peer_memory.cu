@@ -1,5 +1,9 @@
 #include <unistd.h>
 
+#include <mutex>
+#include <set>
+#include <utility>
+
 #include "particles/backend/cuda/peer_memory.cuh"
 #include "particles/backend/setting.hpp"
 #include "particles/base/check_cuda.cuh"
@@ -12,6 +16,15 @@ int present_device() {
   int device = 0;
   check_cuda(cudaGetDevice(&device), "asking for the device");
   return device;
+}
+
+// Once for each pair of devices in a process.
+void reach(int device) {
+  static std::mutex one_at_a_time;
+  static std::set<std::pair<int, int>> reached;
+  const std::scoped_lock lock(one_at_a_time);
+  if (reached.emplace(present_device(), device).second)
+    check_cuda(cudaDeviceEnablePeerAccess(device, 0), "reaching the memory of another device");
 }
 
 }  // namespace
@@ -45,13 +58,7 @@ std::byte* OpenedMemory::open(const PeerAddress& address) {
   std::byte*& data = opened_[{address.process, address.pointer}];
   if (data != nullptr) return data;
   if (address.process == getpid()) {
-    if (address.device != present_device()) {
-      const cudaError_t error = cudaDeviceEnablePeerAccess(address.device, 0);
-      if (error == cudaErrorPeerAccessAlreadyEnabled)
-        cudaGetLastError();  // so that no later call reports it
-      else
-        check_cuda(error, "reaching the memory of another device");
-    }
+    if (address.device != present_device()) reach(address.device);
     data = reinterpret_cast<std::byte*>(address.pointer);
   } else {
     void* opened = nullptr;

@@ -2,7 +2,10 @@
 """Runs the begin of every shipped scene with grains on 1, 2, 3 and 4 ranks and compares the hashes of their states. Ends with 1 where two
 differ.
 
-    tests/benchmark/dem/rank_hashes.py TANDEM [SCENE ...] [--budget SPHERE_STEPS] [--ranks 1,2,3,4] [--record FILE COMMIT]
+    tests/benchmark/dem/rank_hashes.py TANDEM [SCENE ...] [--budget SPHERE_STEPS] [--ranks 1,2,3,4] [--backend cpu|cuda]
+                                       [--record FILE COMMIT]
+
+With --backend cuda each rank has a device.
 """
 import argparse
 import csv
@@ -20,6 +23,7 @@ parser.add_argument("tandem", type=pathlib.Path)
 parser.add_argument("scenes", nargs="*", type=pathlib.Path)
 parser.add_argument("--budget", type=float, default=2e7, help="spheres times micro steps of a run, about")
 parser.add_argument("--ranks", default="1,2,3,4")
+parser.add_argument("--backend", default="cpu", choices=["cpu", "cuda"])
 parser.add_argument("--record", nargs=2, metavar=("FILE", "COMMIT"))
 given = parser.parse_args()
 ranks = [int(word) for word in given.ranks.split(",")]
@@ -33,7 +37,7 @@ def has_grains(path):
 def run(scene, end, count, out):
     """The summary, or the last line of what was said."""
     done = subprocess.run([given.tandem, "run", scene, "--out", out, "--end-time", f"{end:.9f}", "--ranks", str(count), "--threads", "1",
-                           "--backend", "cpu", "--no-picture", "--no-report", "--quiet"], capture_output=True, text=True, check=False)
+                           "--backend", given.backend, "--no-picture", "--no-report", "--quiet"], capture_output=True, text=True, check=False)
     summary = pathlib.Path(out) / "summary.json"
     if done.returncode not in (0, 1) or not summary.exists():
         return (done.stdout + done.stderr).strip().splitlines()[-1]
@@ -41,6 +45,8 @@ def run(scene, end, count, out):
 
 
 def device():
+    if given.backend == "cuda":
+        return subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True, check=True).stdout.split(":")[1].split("(")[0].strip()
     for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
         if line.startswith("model name"):
             return line.split(":")[1].strip()
@@ -58,7 +64,7 @@ def record(row):
         writer = csv.writer(stream, lineterminator="\n")
         if begins:
             writer.writerow(["date", "commit", "device", "command", *columns])
-        writer.writerow([datetime.date.today().isoformat(), commit, device(), f"rank_hashes.py tandem --budget {given.budget:g}",
+        writer.writerow([datetime.date.today().isoformat(), commit, device(), f"rank_hashes.py tandem --budget {given.budget:g} --ranks {given.ranks} --backend {given.backend}",
                          *(row.get(key, "") for key in columns)])
 
 
