@@ -6,8 +6,8 @@ usage: docs.py links ROOT         every link and anchor of the pages leads somew
        docs.py json ROOT TANDEM   every ```json block is a scene that `TANDEM validate` accepts, or is marked
                                   ```json fragment DEFINITION: then its keys are those of that definition of the schema;
                                   ```json lines: one JSON value per line
-       docs.py keys ROOT          the tables of docs/scene_format.md have every key of the schema, with its unit and default, and
-                                  the defaults are those of common/scene/model.hpp
+       docs.py keys ROOT          the tables of docs/scene_format.md and docs/scene_format/ have every key of the schema, with its unit
+                                  and default, and the defaults are those of common/scene/model.hpp
        docs.py codes ROOT         docs/troubleshooting.md has every error code, exit status, violation and verdict rule
        docs.py kit ROOT           docs/participant.md has every feature, capability and function of the participant kit
        docs.py words ROOT         the pages use the words of the field (table WORDS)
@@ -232,9 +232,11 @@ def default_faults(here, key, row, having, model):
 
 def key_tables(root):
     schema = read_schema(root)
-    known, page, model = objects(schema), Page(root / "docs/scene_format.md"), model_defaults(root)
+    known, model = objects(schema), model_defaults(root)
+    scene_pages = [root / "docs/scene_format.md", *sorted((root / "docs/scene_format").glob("*.md"))]
     faults, seen, count = [], {}, 0
-    for number, names, rows, wrong, section in marked_tables(page, "keys"):
+    for page, table in [(page, table) for page in map(Page, scene_pages) for table in marked_tables(page, "keys")]:
+        number, names, rows, wrong, section = table
         here = place(root, page, number)
         faults += [f"{here}: a row has another number of cells than the head: {row}" for row in wrong]
         unknown = [name for name in names if name not in known]
@@ -247,8 +249,8 @@ def key_tables(root):
                 of_key[key] = row
         for name in names:
             if name in seen:
-                faults.append(f"{here}: {name} has a table already at line {seen[name]}")
-            seen[name] = number
+                faults.append(f"{here}: {name} has a table already at {seen[name]}")
+            seen[name] = here
         rules = [known[name] for name in names]
         expected = {key for rule in rules for key in rule["properties"]}
         count += len(expected)
@@ -274,7 +276,7 @@ def key_tables(root):
                 for word in words_of(rule["properties"][key]):
                     if f"`{word}`" not in section:
                         faults.append(f"{here}: the value `{word}` of '{key}' is missing in this section")
-    faults += [f"docs/scene_format.md: there is no table of '{name}'" for name in known if name not in seen]
+    faults += [f"docs/scene_format: there is no table of '{name}'" for name in known if name not in seen]
     return faults, count
 
 
