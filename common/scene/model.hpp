@@ -63,7 +63,7 @@ struct Coupling {
 
 // ---- mbd
 
-// How the equations of closed loops are integrated (docs/mbd.md, "Time integration").
+// How the equations of closed loops are integrated (docs/mbd_time_integration.md).
 enum class Formulation { index2, index3 };
 
 // generalized_alpha is implicit and for all machines, dormand_prince explicit and for trees without stiff
@@ -79,7 +79,7 @@ struct Integrator {
   std::optional<double> step;  // [s]; absent: one step per window. A window is divided into equal steps.
   Formulation formulation = Formulation::index2;
   bool extrapolate =
-      false;  // by two runs, with steps of h and h/2 (docs/mbd.md, "Extrapolation"); fixed step only
+      false;  // by two runs, with steps of h and h/2 (docs/mbd_time_integration.md); fixed step only
   std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size
                                           // [-]; absent: fixed step. Then `step` is the longest one.
                                           // dormand_prince always has one.
