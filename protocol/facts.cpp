@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 enum class Need { optional, nullable };
 enum class Range { any, from_zero };
 
-// A line of facts.def.
+// A fact of common/scene/figures.def.
 struct Line {
   const char* key;
   const char* unit;
@@ -31,36 +31,19 @@ template <class Facts, class Visit>
 void each_fact(Facts& facts, Visit visit) {
   const auto see = [&](const Line& line, auto& member) { visit(line, member); };
   using Plain = std::remove_const_t<Facts>;
-#define FACT(type, member, key, unit, need, range, user, meaning) \
+#define FACT(runs, type, member, key, unit, need, range, user, meaning) \
   see(Line{key, unit, Need::need, Range::range, user, meaning}, facts.member);
-#define NO_FACT(...)
   if constexpr (std::is_same_v<Plain, MbdFacts>) {
 #define MBD_FACT FACT
-#define DEM_FACT NO_FACT
-#define SPH_FACT NO_FACT
-#include "protocol/facts.def"
-#undef MBD_FACT
-#undef DEM_FACT
-#undef SPH_FACT
+#include "common/scene/figures.def"
   } else if constexpr (std::is_same_v<Plain, DemFacts>) {
-#define MBD_FACT NO_FACT
 #define DEM_FACT FACT
-#define SPH_FACT NO_FACT
-#include "protocol/facts.def"
-#undef MBD_FACT
-#undef DEM_FACT
-#undef SPH_FACT
+#include "common/scene/figures.def"
   } else {
-#define MBD_FACT NO_FACT
-#define DEM_FACT NO_FACT
 #define SPH_FACT FACT
-#include "protocol/facts.def"
-#undef MBD_FACT
-#undef DEM_FACT
-#undef SPH_FACT
+#include "common/scene/figures.def"
   }
 #undef FACT
-#undef NO_FACT
 }
 
 template <class Type>
@@ -289,16 +272,6 @@ std::string rows(const char* role) {
   return table;
 }
 
-template <class Facts>
-std::vector<std::string> numbers() {
-  std::vector<std::string> keys;
-  Facts facts;
-  each_fact(facts, [&]<class Type>(const Line& line, const std::optional<Type>&) {
-    if (!std::is_same_v<Type, fact::Text> && !std::is_same_v<Type, fact::Texts>) keys.push_back(line.key);
-  });
-  return keys;
-}
-
 }  // namespace
 
 bool is_fact_key(const std::string& key) {
@@ -334,18 +307,6 @@ Json decode_facts(Role role, const std::string& text, SolverFacts& facts) {
       decode(role, sent, facts.sph);
   }
   return sent;
-}
-
-std::vector<std::string> numeric_facts(Role role) {
-  switch (role) {
-    case Role::mbd:
-      return numbers<MbdFacts>();
-    case Role::dem:
-      return numbers<DemFacts>();
-    case Role::sph:
-      break;
-  }
-  return numbers<SphFacts>();
 }
 
 std::string facts_as_markdown() {

@@ -1,5 +1,6 @@
 // Facts that a solver reports in `configured` and `report`: JSON text on the wire, one object. Those that the
-// coordinator acts upon are declared in facts.def, and typed on both sides; all go to summary.json.
+// coordinator acts upon are declared in common/scene/figures.def, and typed on both sides; all go to
+// summary.json.
 #pragma once
 
 #include <cstdint>
@@ -23,34 +24,21 @@ struct Estimate {
 };
 }  // namespace fact
 
-// One member per line of facts.def; none where the solver has not reported it.
+// One member per fact of common/scene/figures.def; none where the solver has not reported it.
+#define FACT(runs, type, member, ...) std::optional<fact::type> member;
 struct MbdFacts {
-#define MBD_FACT(type, member, ...) std::optional<fact::type> member;
-#define DEM_FACT(...)
-#define SPH_FACT(...)
-#include "protocol/facts.def"
-#undef MBD_FACT
-#undef DEM_FACT
-#undef SPH_FACT
+#define MBD_FACT FACT
+#include "common/scene/figures.def"
 };
 struct DemFacts {
-#define MBD_FACT(...)
-#define DEM_FACT(type, member, ...) std::optional<fact::type> member;
-#define SPH_FACT(...)
-#include "protocol/facts.def"
-#undef MBD_FACT
-#undef DEM_FACT
-#undef SPH_FACT
+#define DEM_FACT FACT
+#include "common/scene/figures.def"
 };
 struct SphFacts {
-#define MBD_FACT(...)
-#define DEM_FACT(...)
-#define SPH_FACT(type, member, ...) std::optional<fact::type> member;
-#include "protocol/facts.def"
-#undef MBD_FACT
-#undef DEM_FACT
-#undef SPH_FACT
+#define SPH_FACT FACT
+#include "common/scene/figures.def"
 };
+#undef FACT
 struct SolverFacts {
   MbdFacts mbd;
   DemFacts dem;
@@ -58,7 +46,7 @@ struct SolverFacts {
 };
 
 // The text of a message, with `others`: facts that nobody acts upon. Throws ProtocolError{not_finite} where
-// a number is not finite, and Error{internal} where `others` has a key of facts.def.
+// a number is not finite, and Error{internal} where `others` has the key of such a fact.
 std::string encode_facts(const MbdFacts& facts, const nlohmann::ordered_json& others);
 std::string encode_facts(const DemFacts& facts, const nlohmann::ordered_json& others);
 std::string encode_facts(const SphFacts& facts, const nlohmann::ordered_json& others);
@@ -75,9 +63,6 @@ inline constexpr const char* fact_key_rule = "a key is 1 to 100 letters, digits,
 // less, where the text is not a JSON object in UTF-8,
 // where it is nested more than 64 deep or beyond the limits above, or where a key is no word.
 nlohmann::ordered_json decode_facts(Role role, const std::string& text, SolverFacts& facts);
-
-// Keys of the facts of a solver that are numbers.
-std::vector<std::string> numeric_facts(Role role);
 
 // The table of docs/protocol.md.
 std::string facts_as_markdown();

@@ -220,7 +220,7 @@ class Reader {
 
 Quantity evaluate(std::string_view text, const std::function<Quantity(const std::string&)>& value_of) {
   const Quantity q = expressions::Reader(text, value_of).all();
-  if (!std::isfinite(q.value)) throw ExpressionError("the result is no finite number");
+  if (!std::isfinite(q.value)) throw ExpressionError("the result is not a finite number");
   return q;
 }
 

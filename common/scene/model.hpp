@@ -1,6 +1,6 @@
 // The scene in the form that the solvers use: one struct per JSON object, names resolved to indices, SI
 // units. scene/schema.json describes the file; scene/parse.hpp reads it. docs/scene_format.md is the user's
-// page.
+// page. A base XKeys has the numbers of object x of the schema, with unit and default (keys.hpp, generated).
 //
 // Positions, axes and orientations are given in the world at the start of the run unless a line says
 // otherwise. A body's frame B has its origin at the centre of mass; with orientation (1,0,0,0) its axes are
@@ -13,6 +13,7 @@
 
 #include "common/ids.hpp"
 #include "common/math/rotation.hpp"
+#include "common/scene/keys.hpp"
 #include "common/scene/model_contact.hpp"
 #include "common/scene/model_forces.hpp"
 #include "common/scene/model_joints.hpp"
@@ -36,21 +37,12 @@ enum class PathShape { linear, quadratic };
 
 // How scheme `implicit` computes the next iterate of the path.
 enum class Acceleration { constant, aitken, iqn_ils };
-struct Iteration {
+struct Iteration : IterationKeys {
   Acceleration method = Acceleration::iqn_ils;
-  double relaxation = 0.1;  // relaxation factor: always, or before there is other information [-], in (0, 2)
-  double tolerance = 1e-5;  // error of a path relative to the motion over the window [-]
-  double length = 1e-9;     // absolute error of a path that is always accepted [m]
-  int max_iterations = 50;
 };
 
 // The window adapts to the error; that of `Coupling` is the first one.
-struct Adaptive {
-  double energy_tolerance = 1e-3;  // energy created in a window, relative to the energy exchanged [-]
-  // Distance between the path prescribed to the particles and the path taken [m].
-  double path_tolerance = 1e-5;
-  double min_window = 0, max_window = 0;  // [s], whole numbers of nanoseconds
-};
+struct Adaptive : AdaptiveKeys {};
 
 struct Coupling {
   Scheme scheme = Scheme::dem_first;
@@ -63,7 +55,7 @@ struct Coupling {
 
 // ---- mbd
 
-// How the equations of closed loops are integrated (docs/mbd.md, "Time integration").
+// How the equations of closed loops are integrated (docs/mbd_time_integration.md).
 enum class Formulation { index2, index3 };
 
 // generalized_alpha is implicit and for all machines, dormand_prince explicit and for trees without stiff
@@ -73,22 +65,9 @@ enum class IntegrationMethod { generalized_alpha, dormand_prince };
 // Configuration of the start: that of the scene, or the static equilibrium near it (docs/mbd.md).
 enum class Start { given, equilibrium };
 
-struct Integrator {
+struct Integrator : IntegratorKeys {
   IntegrationMethod method = IntegrationMethod::generalized_alpha;
-  double rho_inf = 0.8;        // spectral radius at infinity of generalized-alpha [-], in [0, 1]
-  std::optional<double> step;  // [s]; absent: one step per window. A window is divided into equal steps.
   Formulation formulation = Formulation::index2;
-  bool extrapolate =
-      false;  // by two runs, with steps of h and h/2 (docs/mbd.md, "Extrapolation"); fixed step only
-  std::optional<double> error_tolerance;  // local error per step, relative to 1 rad and the system's size
-                                          // [-]; absent: fixed step. Then `step` is the longest one.
-                                          // dormand_prince always has one.
-  double min_step = 1e-12;                // error control fails below this step [s]
-  // Accuracy of the file's lengths (relative to the loop) and directions [rad]: assembly may move bodies by
-  // this much, and equations of loops that others imply within it are redundant.
-  double assembly_tolerance = 1e-4;
-  double tolerance = 1e-10;  // Newton: weighted norm of the increment [-]
-  int max_iterations = 20;
 };
 
 struct Mbd {

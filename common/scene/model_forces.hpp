@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/scene/keys.hpp"
 #include "common/scene/model_joints.hpp"
 
 namespace tandem::scene {
@@ -127,7 +128,7 @@ struct Brake {
 
 // Torque on the coordinate of a revolute joint, with a gear between shaft and joint.
 enum class MotorControl { speed, position, throttle };
-struct Motor {
+struct Motor : MotorKeys {
   static constexpr const char* type = "motor";
   std::string name;
   JointId joint;
@@ -135,44 +136,25 @@ struct Motor {
   Motion target;      // of the joint [rad/s] or [rad], or of the throttle [-]
   std::string input;  // control input that gives the target; empty: `target`
   Gains gains;
-  std::optional<double> max_torque;        // of the shaft [N m]
   std::optional<ForceTable> torque_speed;  // torque of the shaft over its speed [rad/s] [N m]
-  double gear_ratio = 1;                   // speed of the shaft over that of the joint [-]
-  double rotor_inertia = 0;                // about the shaft's axis [kg m2]
   std::optional<Brake> brake;
 };
 
 // Pressures are relative to the atmosphere.
-struct HydraulicData {
-  double bore_area = 0, rod_area = 0;            // [m2]
-  double dead_volume = 0;                        // of each chamber at its end of the stroke [m3]
-  double bulk_modulus = 1.5e9;                   // [Pa]
-  double supply_pressure = 0;                    // of the pump's relief valve [Pa]
-  double tank_pressure = 0;                      // [Pa]
-  std::optional<double> pump_flow;               // most that the pump gives [m3/s]
-  double valve_flow = 0;                         // through one fully open edge at `valve_drop` [m3/s]
-  double valve_drop = 3.5e6;                     // [Pa]
-  double laminar_drop = 1e4;                     // [Pa]
-  double leakage = 0;                            // across the piston [m3/(s Pa)]
-  std::optional<double> pressure_a, pressure_b;  // at the start; absent: of the tank [Pa]
-  double cavitation_pressure = -1e5;             // below it the law is not valid [Pa]
-};
+struct HydraulicData : HydraulicsKeys {};
 
 // Force along the line between two points, positive where it pushes them apart. The stroke is the distance
 // less that at the start.
 enum class CylinderControl { stroke, force, valve };
-struct Cylinder {
+struct Cylinder : CylinderKeys {
   static constexpr const char* type = "cylinder";
   std::string name;
   BodyId body_a = ground, body_b = ground;
-  Vec3d point_a, point_b;  // world at the start [m]
   CylinderControl control = CylinderControl::force;
   Motion target;      // stroke [m], force [N], or opening of the valve from -1 to 1 [-]
   std::string input;  // control input that gives the target; empty: `target`
   Gains gains;
-  std::optional<double> max_force;          // with a stroke [N]
   std::optional<HydraulicData> hydraulics;  // with a valve
-  double damping = 0;                       // [N s/m]
   std::optional<Friction> friction;
   std::optional<Limits> limits;  // of the stroke [m]
 };
@@ -180,39 +162,22 @@ struct Cylinder {
 // The force of a road on a wheel, by the brush model. The wheel is the child of the joint, its centre the
 // joint's point, its axle the joint's axis; ahead is axle x normal. The road is a plane, or shapes of
 // BodyContact::ground that the wheel meets along -road_normal.
-struct Tyre {
+struct Tyre : TyreKeys {
   static constexpr const char* type = "tyre";
   std::string name;
   JointId joint;
-  double radius = 0;                  // without a load [m]
-  double stiffness = 0, damping = 0;  // vertical [N/m], [N s/m]
-  double friction = 0;
-  double slip_stiffness = 0,
-         cornering_stiffness = 0;  // force over load, per slip and per tangent of the slip angle
-  double relaxation_length = 0;    // along the wheel's plane [m]
-  std::optional<double> lateral_relaxation_length{};  // across it; absent: the same [m]
-  double rolling_resistance = 0;                      // torque over load and loaded radius
-  double patch_length = 0;                            // of contact, for the aligning torque [m]
-  std::vector<std::string> road{};                    // shapes of the ground; empty: the plane
-  Vec3d road_point, road_normal{0, 0, 1};             // world [m], unit
+  std::vector<std::string> road{};  // shapes of the ground; empty: the plane
 };
 
 // A spring of gas between two points, which it pushes apart with (p - ambient_pressure) piston_area. The gas
 // obeys p (V / m)^exponent = const, with the volume V = volume + piston_area stroke and the mass m, of which
 // `leakage` lets some out. The stroke is the distance of the points less that at the start. Pressures are
 // absolute.
-struct GasSpring {
+struct GasSpring : GasSpringKeys {
   static constexpr const char* type = "gas_spring";
   std::string name;
   BodyId body_a, body_b;
-  Vec3d point_a, point_b;            // world [m]
-  double piston_area = 0;            // [m2]
-  double pressure = 0, volume = 0;   // at the start [Pa], [m3]
-  double exponent = 1.4;             // 1: isothermal, 1.4: adiabatic air
-  double ambient_pressure = 101325;  // [Pa]
-  double leakage = 0;                // gas of the start's density, per pressure difference [m3/(s Pa)]
-  double damping = 0;                // [N s/m]
-  std::optional<Limits> limits{};    // end stops, as strokes
+  std::optional<Limits> limits{};  // end stops, as strokes
 
   static GasSpring read(const Node& node, const Names& bodies, const Names& joints);
   void validate(const Mbd& mbd, const std::string& origin, const std::string& path) const;

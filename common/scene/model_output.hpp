@@ -10,29 +10,24 @@
 
 #include "common/ids.hpp"
 #include "common/math/rotation.hpp"
+#include "common/scene/keys.hpp"
 
 namespace tandem::scene {
 
-struct Camera {
-  Vec3d eye, target, up{0, 0, 1};
-  double field_of_view = 40;
-};  // [m] [m] [-] [deg]
+struct Camera : CameraKeys {};
 
 // What frames have of the spheres besides position, velocity, spin and radius: a column for each.
 enum class SphereField { group, material, contact_count, mean_stress };
 inline constexpr std::array<std::string_view, 4> sphere_field_names{"group", "material", "contact_count",
                                                                     "mean_stress"};
 
-struct Output {
-  double frame_interval = 0;     // particle and body frames [s]; 0: first and last only
-  bool particles = true;         // whether frames contain the spheres
+struct Output : OutputKeys {
   std::optional<Camera> camera;  // of the picture of the last frame; absent: chosen from the domain
   // Columns of the CSV files that the report draws, with * for any characters; empty: the report chooses.
   std::vector<std::string> plots = {};
   std::vector<SphereField> fields = {};       // of the spheres in frames, each once
   std::vector<std::string> wall_fields = {};  // walls whose triangles have fields in frames
   std::vector<BodyId> contacts = {};          // bodies whose contacts with spheres are in frames
-  bool dissipation = false;                   // whether the summary has the energy that contacts dissipate
 
   bool has(SphereField field) const { return std::ranges::find(fields, field) != fields.end(); }
   // Whether frames have fields that only the particle solver knows.
@@ -44,17 +39,14 @@ struct Output {
 // A pass/fail figure of the run. `of` names a time signal "<column>" of bodies.csv, joints.csv or
 // elements.csv, for instance "box.contact_force.z" or "hinge.q", or a number of summary.json as
 // "summary.lost_particles". `reduce` computes one number from the part from..to of the signal.
-struct Check {
+struct Check : CheckKeys {
   std::string name, of;
   // Last, mean, rms, mean_abs, min, max, range, period (mean distance of upward crossings of the mean).
   std::string reduce = "last";
-  double from = 0, to = 0;  // [s]; to = 0 means the end
   double expected = 0;      // with expected_of: filled in by the evaluation
   std::string expected_of;  // another signal or number, reduced in the same way; empty: `expected` is given
   double times = 1;         // factor of that one
-  double tolerance = 0;     // relative to |expected| unless absolute
-  bool absolute = false;
-  std::string why;  // the formula or the source of `expected`
+  std::string why;          // the formula or the source of `expected`
 };
 
 }  // namespace tandem::scene

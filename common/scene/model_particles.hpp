@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/scene/keys.hpp"
 #include "common/scene/model_shapes.hpp"
 
 namespace tandem::scene {
@@ -132,10 +133,7 @@ struct ParticleGroup {
 };
 
 // The spheres come to rest before the start, with all walls at rest.
-struct Settle {
-  double kinetic_energy = 0;  // the end: mean of the spheres below it [J]
-  double at_most = 10;        // of simulated time [s]
-};
+struct Settle : SettleKeys {};
 
 // Two materials without a pair that have some constants of the contact law, but not all.
 struct IncompletePair {

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/scene/keys.hpp"
 #include "common/scene/model_shapes.hpp"
 
 namespace tandem::scene {
@@ -85,16 +86,13 @@ struct LiquidInlet {
 // "mixed": arithmetic of pairs in single precision; "double": all in double precision
 enum class LiquidPrecision { mixed, full };
 
-struct Sph {
+struct Sph : SphKeys {
   std::string server;                       // as in Mbd
   std::vector<std::string> solver_options;  // as in Mbd
-  double spacing = 0;                       // edge of the cube that one particle fills [m]
-  double wall_deviation = 0.05;             // of the liquid's walls from the surfaces given [spacings]
   std::vector<Liquid> liquids;              // one
   WallFriction wall_friction = WallFriction::no_slip;
   LiquidPrecision precision = LiquidPrecision::mixed;
-  std::optional<double> micro_step;  // longest step [s]; absent: that of the rule (docs/liquid.md)
-  std::vector<Wall> walls;           // without materials
+  std::vector<Wall> walls;  // without materials
   // Particles that leave it are taken out. Not given: all space, until the coordinator knows the walls.
   Box domain{{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
   bool domain_is_given = false;

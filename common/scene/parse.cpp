@@ -26,20 +26,8 @@ void read_word(const Node& node, const char* key, std::initializer_list<const ch
 Iteration parse_iteration(const Node& node) {
   Iteration iteration;
   read_word(node, "method", {"constant", "aitken", "iqn_ils"}, iteration.method);
-  node.read("relaxation", iteration.relaxation);
-  node.read("tolerance", iteration.tolerance);
-  node.read("length", iteration.length);
-  node.read("max_iterations", iteration.max_iterations);
+  read_keys(node, iteration);
   return iteration;
-}
-
-Adaptive parse_adaptive(const Node& node) {
-  Adaptive adaptive;
-  node.read("energy_tolerance", adaptive.energy_tolerance);
-  node.read("path_tolerance", adaptive.path_tolerance);
-  node.read("min_window", adaptive.min_window);
-  node.read("max_window", adaptive.max_window);
-  return adaptive;
 }
 
 Coupling parse_coupling(const Node& node) {
@@ -50,21 +38,19 @@ Coupling parse_coupling(const Node& node) {
   read_word(node, "load", {"mean", "linear", "end"}, coupling.load);
   read_word(node, "path", {"linear", "quadratic"}, coupling.path);
   if (node.has("iteration")) coupling.iteration = parse_iteration(node.at("iteration"));
-  if (node.has("adaptive")) coupling.adaptive = parse_adaptive(node.at("adaptive"));
+  if (node.has("adaptive")) read_keys(node.at("adaptive"), coupling.adaptive.emplace());
   return coupling;
 }
 
 Output parse_output(const Node& node, const Names& bodies) {
   Output output;
-  node.read("frame_interval", output.frame_interval);
-  node.read("particles", output.particles);
+  read_keys(node, output);
   node.read("plots", output.plots);
   if (node.has("fields"))
     for (const std::string& field : node.value().at("fields").get<std::vector<std::string>>())
       output.fields.push_back(static_cast<SphereField>(std::ranges::find(sphere_field_names, field) -
                                                        sphere_field_names.begin()));
   node.read("wall_fields", output.wall_fields);
-  node.read("dissipation", output.dissipation);
   if (node.has("contacts"))
     for (const std::string& name : node.value().at("contacts").get<std::vector<std::string>>()) {
       const auto index = bodies.index(name);
@@ -73,14 +59,7 @@ Output parse_output(const Node& node, const Names& bodies) {
                   suggest_name(name, bodies.list(), "bodies"));
       output.contacts.push_back(index ? BodyId{*index} : ground);
     }
-  if (node.has("camera")) {
-    const Node camera = node.at("camera");
-    output.camera.emplace();
-    camera.read("eye", output.camera->eye);
-    camera.read("target", output.camera->target);
-    camera.read("up", output.camera->up);
-    camera.read("field_of_view", output.camera->field_of_view);
-  }
+  if (node.has("camera")) read_keys(node.at("camera"), output.camera.emplace());
   return output;
 }
 
@@ -89,8 +68,7 @@ Check parse_check(const Node& node) {
   node.read("name", check.name);
   node.read("of", check.of);
   node.read("reduce", check.reduce);
-  node.read("from", check.from);
-  node.read("to", check.to);
+  read_keys(node, check);
   if (node.value().at("expected").is_object()) {
     const Node other = node.at("expected");
     other.read("of", check.expected_of);
@@ -98,8 +76,6 @@ Check parse_check(const Node& node) {
   } else {
     node.read("expected", check.expected);
   }
-  node.read("tolerance", check.tolerance);
-  node.read("absolute", check.absolute);
   node.read("why", check.why);
   return check;
 }

@@ -84,12 +84,7 @@ Dem parse_dem(const Node& node, const Names& bodies) {
   node.read("skin", dem.skin);
   node.names("particles");
   for (const Node& group : node.elements("particles")) dem.particles.push_back(parse_group(group, materials));
-  if (node.has("settle")) {
-    const Node settle = node.at("settle");
-    dem.settle.emplace();
-    settle.read("kinetic_energy", dem.settle->kinetic_energy);
-    settle.read("at_most", dem.settle->at_most);
-  }
+  if (node.has("settle")) read_keys(node.at("settle"), dem.settle.emplace());
   node.names("outlets");
   for (const Node& outlet : node.elements("outlets")) dem.outlets.push_back(parse_outlet(outlet));
   node.names("sensors");

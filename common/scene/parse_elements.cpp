@@ -44,25 +44,6 @@ Brake parse_brake(const Node& node, const std::string& format) {
   return brake;
 }
 
-HydraulicData parse_hydraulics(const Node& node) {
-  HydraulicData data;
-  node.read("bore_area", data.bore_area);
-  node.read("rod_area", data.rod_area);
-  node.read("dead_volume", data.dead_volume);
-  node.read("bulk_modulus", data.bulk_modulus);
-  node.read("supply_pressure", data.supply_pressure);
-  node.read("tank_pressure", data.tank_pressure);
-  node.read("pump_flow", data.pump_flow);
-  node.read("valve_flow", data.valve_flow);
-  node.read("valve_drop", data.valve_drop);
-  node.read("laminar_drop", data.laminar_drop);
-  node.read("leakage", data.leakage);
-  node.read("pressure_a", data.pressure_a);
-  node.read("pressure_b", data.pressure_b);
-  node.read("cavitation_pressure", data.cavitation_pressure);
-  return data;
-}
-
 }  // namespace
 
 Force parse_motor(const Node& node, const Names& joints, const std::string& format) {
@@ -75,10 +56,8 @@ Force parse_motor(const Node& node, const Names& joints, const std::string& form
                                           : MotorControl::throttle;
   read_target(node, format, motor);
   motor.gains = parse_gains(node);
-  node.read("max_torque", motor.max_torque);
+  read_keys(node, motor);
   motor.torque_speed = parse_table(node, "torque_speed");
-  node.read("gear_ratio", motor.gear_ratio);
-  node.read("rotor_inertia", motor.rotor_inertia);
   if (node.has("brake")) motor.brake = parse_brake(node.at("brake"), format);
   return motor;
 }
@@ -88,17 +67,14 @@ Force parse_cylinder(const Node& node, const Names& bodies, const std::string& f
   node.read("name", cylinder.name);
   cylinder.body_a = read_body(node, "body_a", bodies);
   cylinder.body_b = read_body(node, "body_b", bodies);
-  node.read("point_a", cylinder.point_a);
-  node.read("point_b", cylinder.point_b);
+  read_keys(node, cylinder);
   const auto control = node.value().at("control").get<std::string>();
   cylinder.control = control == "stroke"  ? CylinderControl::stroke
                      : control == "force" ? CylinderControl::force
                                           : CylinderControl::valve;
   read_target(node, format, cylinder);
   cylinder.gains = parse_gains(node);
-  node.read("max_force", cylinder.max_force);
-  if (node.has("hydraulics")) cylinder.hydraulics = parse_hydraulics(node.at("hydraulics"));
-  node.read("damping", cylinder.damping);
+  if (node.has("hydraulics")) read_keys(node.at("hydraulics"), cylinder.hydraulics.emplace());
   if (node.has("friction")) cylinder.friction = parse_friction(node.at("friction"));
   if (node.has("limits")) cylinder.limits = parse_limits(node.at("limits"));
   return cylinder;

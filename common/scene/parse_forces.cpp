@@ -103,16 +103,7 @@ Force parse_tyre(const Node& node, const Names& joints) {
   Tyre tyre;
   node.read("name", tyre.name);
   tyre.joint = JointId{node.resolve("joint", joints, "joints")};
-  node.read("radius", tyre.radius);
-  node.read("stiffness", tyre.stiffness);
-  node.read("damping", tyre.damping);
-  node.read("friction", tyre.friction);
-  node.read("slip_stiffness", tyre.slip_stiffness);
-  node.read("cornering_stiffness", tyre.cornering_stiffness);
-  node.read("relaxation_length", tyre.relaxation_length);
-  node.read("lateral_relaxation_length", tyre.lateral_relaxation_length);
-  node.read("rolling_resistance", tyre.rolling_resistance);
-  node.read("patch_length", tyre.patch_length);
+  read_keys(node, tyre);
   if (node.has("road")) {
     for (const auto& name : node.value().at("road")) tyre.road.push_back(name.get<std::string>());
     if (node.has("road_point"))
@@ -122,8 +113,6 @@ Force parse_tyre(const Node& node, const Names& joints) {
       node.fail("patch_length", "a tyre on shapes of the ground needs the length of its patch, and it is 0",
                 "give patch_length: the road under the tyre is the plane through points of its patch");
   }
-  node.read("road_point", tyre.road_point);
-  node.read("road_normal", tyre.road_normal);
   return tyre;
 }
 

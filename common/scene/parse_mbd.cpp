@@ -215,16 +215,9 @@ Integrator parse_integrator(const Node& node) {
   Integrator integrator;
   if (node.has("method") && node.value().at("method") == "dormand_prince")
     integrator.method = IntegrationMethod::dormand_prince;
-  node.read("rho_inf", integrator.rho_inf);
-  node.read("step", integrator.step);
+  read_keys(node, integrator);
   if (node.has("formulation") && node.value().at("formulation") == "index3")
     integrator.formulation = Formulation::index3;
-  node.read("extrapolate", integrator.extrapolate);
-  node.read("error_tolerance", integrator.error_tolerance);
-  node.read("min_step", integrator.min_step);
-  node.read("assembly_tolerance", integrator.assembly_tolerance);
-  node.read("tolerance", integrator.tolerance);
-  node.read("max_iterations", integrator.max_iterations);
   if (integrator.method == IntegrationMethod::dormand_prince) {
     for (const char* key : implicit_settings)
       if (node.has(key))

@@ -127,8 +127,7 @@ Outlet parse_outlet(const Node& node) {
 Sph parse_sph(const Node& node, const Names& bodies) {
   Sph sph;
   read_server(node, sph);
-  node.read("spacing", sph.spacing);
-  node.read("wall_deviation", sph.wall_deviation);
+  read_keys(node, sph);
   for (const Node& liquid : node.elements("liquids")) sph.liquids.push_back(parse_liquid(liquid));
   sph.wall_friction = wall_friction(node);
   const Names liquids = node.names("liquids");
@@ -147,7 +146,6 @@ Sph parse_sph(const Node& node, const Names& bodies) {
   for (const Node& outlet : node.elements("outlets")) sph.outlets.push_back(parse_outlet(outlet));
   if (node.has("precision") && node.value().at("precision") == "double")
     sph.precision = LiquidPrecision::full;
-  node.read("micro_step", sph.micro_step);
   if (!node.has("domain")) return sph;
   const Node domain = node.at("domain");
   sph.domain_is_given = domain.has("min");

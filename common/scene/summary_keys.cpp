@@ -54,6 +54,7 @@ bool has_tyres(const Scene& scene) {
 }
 
 namespace runs_of {
+const Runs none{nullptr, ""};
 const Runs any{[](const Scene&) { return true; }, "all scenes"};
 const Runs mbd{[](const Scene& scene) { return scene.mbd.has_value(); }, "scenes with 'mbd'"};
 const Runs dem{[](const Scene& scene) { return scene.dem.has_value(); }, "scenes with 'dem'"};
@@ -83,15 +84,29 @@ const Runs adaptive{[](const Scene& scene) { return scene.coupling.adaptive.has_
 }  // namespace runs_of
 
 struct Key {
-  const Runs& runs;
+  const Runs* runs;
   std::string text;
 };
+
+// The lines of figures.def that are numbers.
 const std::vector<Key>& table() {
-  static const std::vector<Key> keys{
-#define TANDEM_SUMMARY_KEY(runs, key) {runs_of::runs, key},
-#include "common/scene/summary_keys.def"
-#undef TANDEM_SUMMARY_KEY
-  };
+  static const std::vector<Key> keys = [] {
+    enum Type { Text, Texts, Count, Number, Estimate };
+    std::vector<Key> list;
+    const auto add = [&](const Runs& runs, const std::string& key) {
+      if (runs.of != nullptr) list.push_back({&runs, key});
+    };
+    const auto add_fact = [&](const Runs& runs, Type type, const char* solver, const char* key) {
+      if (type != Text && type != Texts) add(runs, summary_key(solver, key));
+    };
+#define MBD_FACT(runs, type, member, key, ...) add_fact(runs_of::runs, type, "mbd", key);
+#define DEM_FACT(runs, type, member, key, ...) add_fact(runs_of::runs, type, "dem", key);
+#define SPH_FACT(runs, type, member, key, ...) add_fact(runs_of::runs, type, "sph", key);
+#define COORDINATOR_KEY(runs, key, meaning) add(runs_of::runs, key);
+#define NUMBER(runs, key) add(runs_of::runs, key);
+#include "common/scene/figures.def"
+    return list;
+  }();
   return keys;
 }
 
@@ -125,10 +140,15 @@ std::vector<std::string> names_of(const std::string& word, const Scene& scene) {
 
 }  // namespace
 
+std::string summary_key(std::string_view solver, const std::string& fact) {
+  if (solver == "sph") return "sph." + fact;
+  return fact == "solver_seconds" ? std::string(solver) + "_" + fact : fact;
+}
+
 std::vector<std::string> summary_keys(const Scene& scene) {
   std::vector<std::string> keys;
   for (const Key& key : table()) {
-    if (!key.runs.of(scene)) continue;
+    if (!key.runs->of(scene)) continue;
     std::size_t at = std::string::npos;
     for (const std::string word :
          {"BODY", "INLET", "FILL", "PACKING", "OUTLET", "FEED", "DRAIN", "WALL", "COLUMN", "SENSED"}) {
@@ -145,7 +165,7 @@ std::vector<std::string> summary_keys(const Scene& scene) {
 
 std::string runs_with(const std::string& key) {
   for (const Key& known : table())
-    if (known.text == key) return known.runs.need;
+    if (known.text == key) return known.runs->need;
   return {};
 }
 

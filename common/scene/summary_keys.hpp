@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/scene/model.hpp"
@@ -10,6 +11,9 @@ namespace tandem::scene {
 
 // For runs of this scene: "windows", "border.crate.omega_H".
 std::vector<std::string> summary_keys(const Scene& scene);
+
+// Where summary.json has a fact of a solver, `mbd`, `dem` or `sph`: "sph.mach", "mbd_solver_seconds".
+std::string summary_key(std::string_view solver, const std::string& fact);
 
 // The scenes with this number in their summary: "scenes with 'mbd'"; empty where there is none.
 std::string runs_with(const std::string& key);

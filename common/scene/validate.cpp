@@ -17,7 +17,7 @@ namespace {
 
 void require_nanoseconds(double window, const std::string& origin, const std::string& path) {
   if (!is_whole(window * 1e9) || to_nanoseconds(window).count < 1)
-    fail(origin, path, "the window of " + text(window) + " s is no whole number of nanoseconds",
+    fail(origin, path, "the window of " + text(window) + " s is not a whole number of nanoseconds",
          "give a multiple of 1e-9 s");
 }
 

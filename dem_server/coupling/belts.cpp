@@ -6,7 +6,7 @@
 
 namespace tandem::dem {
 
-bool Belts::Seen::is_possible() const {
+bool Belts::Record::is_possible() const {
   return std::isfinite(work) && std::isfinite(power) && std::isfinite(largest_power);
 }
 
@@ -45,26 +45,28 @@ Vec3d Belts::velocity(std::size_t body, double time) const {
   return {};
 }
 
-void Belts::record(const WindowOutcome& outcome, const WindowPlan& plan, std::vector<Seen>& seen) const {
+void Belts::record(const WindowOutcome& outcome, const WindowPlan& plan, std::vector<Record>& records) const {
   for (std::size_t i = 0; i < belts_.size(); ++i) {
     double work = 0;  // against the pull of the spheres
     for (std::uint32_t step = 0; step < plan.steps; ++step) {
       const std::size_t k = step * bodies_ + belts_[i].body;
       work -= plan.dt * outcome.belt_pull[k] * norm(plan.belt_velocity[k]);
     }
-    seen[i].work += work;
-    seen[i].power = work / (plan.steps * plan.dt);
-    if (std::abs(seen[i].power) > std::abs(seen[i].largest_power)) seen[i].largest_power = seen[i].power;
+    records[i].work += work;
+    records[i].power = work / (plan.steps * plan.dt);
+    if (std::abs(records[i].power) > std::abs(records[i].largest_power))
+      records[i].largest_power = records[i].power;
   }
 }
 
-void Belts::report(const std::vector<Seen>& seen, nlohmann::ordered_json& others) const {
+void Belts::report(const std::vector<Record>& records, nlohmann::ordered_json& others) const {
   if (!any()) return;
   double work = 0;
   for (std::size_t i = 0; i < belts_.size(); ++i) {
-    others["belts"][belts_[i].name] = {
-        {"work_J", seen[i].work}, {"power_W", seen[i].power}, {"largest_power_W", seen[i].largest_power}};
-    work += seen[i].work;
+    others["belts"][belts_[i].name] = {{"work_J", records[i].work},
+                                       {"power_W", records[i].power},
+                                       {"largest_power_W", records[i].largest_power}};
+    work += records[i].work;
   }
   others["belt_work_J"] = work;
 }

@@ -14,7 +14,7 @@ namespace tandem::dem {
 class Belts {
  public:
   // Work that the drive of one belt has done on the spheres, and the largest mean power of a window.
-  struct Seen {
+  struct Record {
     double work = 0, power = 0, largest_power = 0;  // [J], of the last window [W], by size [W]
     bool is_possible() const;
   };
@@ -23,7 +23,7 @@ class Belts {
   Belts(const scene::Scene& scene, const Surface& surface);
 
   bool any() const { return !belts_.empty(); }
-  std::vector<Seen> nothing_seen() const { return std::vector<Seen>(belts_.size()); }
+  std::vector<Record> no_records() const { return std::vector<Record>(belts_.size()); }
   // Bound of the speed of any belt until `end_time` [m/s].
   double largest_speed(double end_time) const;
 
@@ -32,8 +32,8 @@ class Belts {
   std::span<const Vec3d> velocities(double begin, std::uint32_t steps, double dt);
   // Velocity of the surface of a boundary body at that time, in the body's frame [m/s].
   Vec3d velocity(std::size_t body, double time) const;
-  void record(const WindowOutcome& outcome, const WindowPlan& plan, std::vector<Seen>& seen) const;
-  void report(const std::vector<Seen>& seen, nlohmann::ordered_json& others) const;
+  void record(const WindowOutcome& outcome, const WindowPlan& plan, std::vector<Record>& records) const;
+  void report(const std::vector<Record>& records, nlohmann::ordered_json& others) const;
 
  private:
   struct Belt {

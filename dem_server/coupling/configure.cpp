@@ -114,12 +114,12 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     bodies_.push_back({body, scene_.body_name(body), surface_.body_extent[b]});
   }
   memory_.bodies.resize(bodies_.size());
-  memory_.traffic = traffic_.nothing_seen();
-  memory_.belts = belts_.nothing_seen();
+  memory_.traffic = traffic_.no_counts();
+  memory_.belts = belts_.no_records();
   std::vector<BodyId> with_walls;
   for (const BoundaryBody& body : bodies_) with_walls.push_back(body.body);
   sensors_ = Sensors(scene_, with_walls, plan_wall_rows(scene_, surface_).of_sensor);
-  memory_.sensors = sensors_.nothing_seen();
+  memory_.sensors = sensors_.no_flows();
 
   if (ranks_ != nullptr) expect_ranks();
   choice_ = choose_engine(scene_, ranks_ != nullptr ? backend_of_ranks(configuration.backend)

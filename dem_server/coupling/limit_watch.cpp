@@ -58,21 +58,21 @@ double LimitWatch::expected_speed(const Spheres& spheres, Vec3d gravity) const {
 }
 
 std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const WindowPlan& plan,
-                                             double time, Seen& seen) {
+                                             double time, Record& record) {
   std::vector<std::string> news;
-  // A window that is repeated counts once, since a rollback restores `seen`, and is reported once.
+  // A window that is repeated counts once, since a rollback restores `record`, and is reported once.
   const auto note = [&news](std::uint64_t& count, bool& warned, bool beyond, auto sentence) {
     if (!beyond) return;
     ++count;
     if (!std::exchange(warned, true)) news.push_back(sentence());
   };
-  ++seen.windows;
-  seen.overlap = std::max(seen.overlap, outcome.max_overlap_ratio);
-  seen.speed = std::max(seen.speed, outcome.max_speed);
+  ++record.windows;
+  record.overlap = std::max(record.overlap, outcome.max_overlap_ratio);
+  record.speed = std::max(record.speed, outcome.max_speed);
   // Two spheres collide head on, or a sphere collides with a wall that moves towards it.
   const double closing = outcome.max_speed + std::max(outcome.max_speed, plan.body_speed);
-  seen.closing_speed = std::max(seen.closing_speed, closing);
-  note(seen.beyond_overlap, warned_overlap_, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
+  record.closing_speed = std::max(record.closing_speed, closing);
+  note(record.beyond_overlap, warned_overlap_, outcome.max_overlap_ratio > dem_.overlap_limit, [&] {
     return fmt::format(
         "t = {:.6g} s: an overlap of {:.3g} of the smaller radius is beyond dem.overlap_limit, {:.3g}: use "
         "{}",
@@ -80,7 +80,7 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
         stiffer(dem_, dem_.overlap_limit / outcome.max_overlap_ratio));
   });
   const double speed_limit = dem_.speed_limit.value_or(std::numeric_limits<double>::infinity());
-  note(seen.beyond_speed, warned_speed_, outcome.max_speed > speed_limit, [&] {
+  note(record.beyond_speed, warned_speed_, outcome.max_speed > speed_limit, [&] {
     return fmt::format(
         "t = {:.6g} s: a speed of {:.4g} m/s is beyond dem.speed_limit, {:.4g} m/s: use a shorter "
         "dem.micro_step than {:.3g} s, or a higher limit if it is meant",
@@ -91,7 +91,7 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
              passing = plan.dt > largest_travel_share * crossing;
   if (unresolved || passing) {
     const double step = std::min(automatic_collision_share * duration, automatic_travel_share * crossing);
-    seen.step = seen.step > 0 ? std::min(seen.step, step) : step;
+    record.step = record.step > 0 ? std::min(record.step, step) : step;
   }
   std::uint64_t once = 0;  // a window counts once, even if its steps are too long for both reasons
   note(once, warned_step_, unresolved, [&] {
@@ -99,53 +99,53 @@ std::vector<std::string> LimitWatch::observe(const WindowOutcome& outcome, const
         "t = {:.6g} s: spheres of {:.4g} m/s may collide within {:.3g} s, {:.2g} micro steps of {:.3g} s: "
         "use dem.micro_step "
         "= {:.3g}",
-        time, outcome.max_speed, duration, duration / plan.dt, plan.dt, seen.step);
+        time, outcome.max_speed, duration, duration / plan.dt, plan.dt, record.step);
   });
   note(once, warned_travel_, passing, [&] {
     return fmt::format(
         "t = {:.6g} s: with spheres of up to {:.4g} m/s and walls of up to {:.4g} m/s two may come nearer by "
         "{:.3g} m in a micro step of {:.3g} s, the smallest radius being {:.3g} m, and pass each other "
-        "unseen: use dem.micro_step = {:.3g}",
-        time, outcome.max_speed, plan.body_speed, closing * plan.dt, plan.dt, smallest_radius(), seen.step);
+        "undetected: use dem.micro_step = {:.3g}",
+        time, outcome.max_speed, plan.body_speed, closing * plan.dt, plan.dt, smallest_radius(), record.step);
   });
-  if (once > 0) ++seen.beyond_step;
+  if (once > 0) ++record.beyond_step;
   return news;
 }
 
-bool LimitWatch::Seen::is_possible() const {
+bool LimitWatch::Record::is_possible() const {
   for (const double figure : {overlap, speed, closing_speed, step})
     if (!(std::isfinite(figure) && figure >= 0)) return false;
   return true;
 }
 
-std::vector<std::string> LimitWatch::warnings(const Seen& seen) const {
+std::vector<std::string> LimitWatch::warnings(const Record& record) const {
   std::vector<std::string> all;
-  if (seen.beyond_overlap > 0)
+  if (record.beyond_overlap > 0)
     all.push_back(
         fmt::format("{} of {} windows had overlaps beyond dem.overlap_limit, {:.3g}; the largest overlap was "
                     "{:.3g} of the smaller "
                     "radius; contact laws are meant for a few per cent: use {}",
-                    seen.beyond_overlap, seen.windows, dem_.overlap_limit, seen.overlap,
-                    stiffer(dem_, dem_.overlap_limit / seen.overlap)));
-  if (seen.beyond_speed > 0)
+                    record.beyond_overlap, record.windows, dem_.overlap_limit, record.overlap,
+                    stiffer(dem_, dem_.overlap_limit / record.overlap)));
+  if (record.beyond_speed > 0)
     all.push_back(fmt::format(
         "{} of {} windows had spheres faster than dem.speed_limit, {:.4g} m/s; the fastest had {:.4g}: use a "
         "shorter dem.micro_step, or a limit above that if it is meant",
-        seen.beyond_speed, seen.windows, *dem_.speed_limit, seen.speed));
-  if (seen.beyond_step == 0) return all;
+        record.beyond_speed, record.windows, *dem_.speed_limit, record.speed));
+  if (record.beyond_step == 0) return all;
   // With stiff spheres a step is too long for a collision before spheres can pass each other.
-  const bool unseen = largest_travel_share * crossing_time(seen.closing_speed) <
-                      largest_collision_share * collision_time(seen.closing_speed);
+  const bool undetected = largest_travel_share * crossing_time(record.closing_speed) <
+                          largest_collision_share * collision_time(record.closing_speed);
   all.push_back(fmt::format(
       "in {} of {} windows fewer than {:.0f} micro steps would resolve the fastest collision that was "
       "possible, of spheres closing with {:.4g} m/s{}: use dem.micro_step = {:.3g}",
-      seen.beyond_step, seen.windows, 1 / largest_collision_share, seen.closing_speed,
-      unseen
+      record.beyond_step, record.windows, 1 / largest_collision_share, record.closing_speed,
+      undetected
           ? fmt::format(", or a step may bring two nearer by more than half the smallest radius, {:.3g} m, "
-                        "so that they pass each other unseen",
+                        "so that they pass each other undetected",
                         smallest_radius())
           : "",
-      seen.step));
+      record.step));
   return all;
 }
 

@@ -27,7 +27,7 @@ class LimitWatch {
   double expected_speed(const Spheres& spheres, Vec3d gravity) const;
 
   // Extreme values and counts of a run so far. They are part of the state that save() and restart files keep.
-  struct Seen {
+  struct Record {
     double overlap = 0;        // largest, relative to the smaller radius [-]
     double speed = 0;          // largest speed of a sphere [m/s]
     double closing_speed = 0;  // bound of the largest closing speed [m/s]
@@ -39,9 +39,9 @@ class LimitWatch {
 
   // Adds a window that ended at `time` [s]. Returns new warnings.
   std::vector<std::string> observe(const WindowOutcome& outcome, const WindowPlan& plan, double time,
-                                   Seen& seen);
+                                   Record& record);
   // Warnings about the whole run, for the summary.
-  std::vector<std::string> warnings(const Seen& seen) const;
+  std::vector<std::string> warnings(const Record& record) const;
 
  private:
   struct Smallest {

@@ -125,9 +125,9 @@ const WindowOutcome& Solver::advance_engine() {
     for (const PreparedPath& path : paths_)
       poses.push_back(pose_on_path(path, static_cast<double>(error.step) / plan_.steps));
     std::string problem = error.problem() + "; " + history(error, surface_, poses, scene_);
-    if (const auto seen = position_in(frame_, error.id))
+    if (const auto last = position_in(frame_, error.id))
       problem += fmt::format("; in the last frame, t = {:.6g} s, it was at ({:.6g}, {:.6g}, {:.6g}) m",
-                             to_seconds(frame_.time), seen->x, seen->y, seen->z);
+                             to_seconds(frame_.time), last->x, last->y, last->z);
     throw Error(error.code(), problem, error.where(), error.hint());
   }
 }

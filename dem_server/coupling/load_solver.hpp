@@ -53,10 +53,10 @@ class Solver final : public protocol::LoadSolver {
     std::uint64_t sphere_steps = 0;  // spheres times micro steps, since this process began
     std::uint64_t lost_reported = 0;
     std::vector<LastMotion> bodies;
-    LimitWatch::Seen limits;
-    std::vector<Traffic::Seen> traffic;
-    std::vector<Belts::Seen> belts;
-    std::vector<Sensors::Seen> sensors;
+    LimitWatch::Record limits;
+    std::vector<Traffic::Counts> traffic;
+    std::vector<Belts::Record> belts;
+    std::vector<FlowRecord> sensors;
   };
 
   // More than any sound window has. The limit exists because the loads of each step are stored.

@@ -7,24 +7,13 @@
 
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/io/random.hpp"
+#include "particles/serving/sensors.hpp"
 
 namespace tandem::dem {
 namespace {
 
 constexpr std::size_t at_once = 64;  // spheres that the engine checks together
 constexpr std::size_t tries = 8;     // positions that are tried for a sphere before one window
-
-Region region_of(const scene::Outlet& outlet) {
-  if (const auto* box = std::get_if<scene::Box>(&outlet.region)) return {box->min, box->max, {}, false};
-  const auto& beyond = std::get<scene::HalfSpace>(outlet.region);
-  return {beyond.point, {}, beyond.normal, true};
-}
-
-Region moved(Region region, Vec3d by) {
-  region.min += by;
-  region.max += by;
-  return region;
-}
 
 // The positions that are tried for sphere i of an inlet before the window that begins at `now`.
 void append_positions(const Inlet& inlet, std::size_t i, Nanoseconds now, Vec3d shift,
@@ -62,20 +51,19 @@ Traffic::Traffic(const scene::Scene& scene, std::vector<Inlet> inlets, std::uint
     first_.push_back(first_waiting);
     first_waiting += static_cast<std::uint32_t>(inlet.due.size());
   }
-  for (const scene::Outlet& outlet : scene.dem.value().outlets)
-    outlets_.push_back({outlet.name, region_of(outlet)});
+  for (const scene::Outlet& outlet : scene.dem.value().outlets) outlets_.push_back(outlet);
   warned_.resize(inlets_.size());
 }
 
 std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses,
-                                       Vec3d shift, std::vector<Seen>& seen) {
+                                       Vec3d shift, std::vector<Counts>& counts) {
   std::vector<std::string> warnings;
   last_begin_ = to_seconds(now);
   for (std::size_t k = 0; k < outlets_.size(); ++k)
-    seen[inlets_.size() + k].passed += engine.remove(moved(outlets_[k].region, shift));
+    counts[inlets_.size() + k].passed += engine.remove(region_of(outlets_[k], shift));
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
-    if (insert(engine, inlets_[k], first_[k], now, poses, shift, seen[k])) continue;
-    ++seen[k].crowded;
+    if (insert(engine, inlets_[k], first_[k], now, poses, shift, counts[k])) continue;
+    ++counts[k].crowded;
     if (warned_[k]) continue;
     warned_[k] = true;  // a rollback does not reset it, so that a repeated window does not warn again
     warnings.push_back(
@@ -87,7 +75,7 @@ std::vector<std::string> Traffic::pass(Engine& engine, Nanoseconds now, std::spa
 }
 
 bool Traffic::insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
-                     std::span<const BodyPose> poses, Vec3d shift, Seen& so_far) {
+                     std::span<const BodyPose> poses, Vec3d shift, Counts& so_far) {
   const std::size_t due = due_at(inlet, to_seconds(now));
   while (so_far.passed < due) {
     const std::size_t begin = so_far.passed, end = std::min(due, begin + at_once);
@@ -114,7 +102,7 @@ bool Traffic::insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Na
   return true;
 }
 
-std::string Traffic::complaint(std::size_t k, const Seen& s) const {
+std::string Traffic::complaint(std::size_t k, const Counts& s) const {
   const Inlet& inlet = inlets_[k];
   if (s.crowded == 0) {
     // configure() has already warned of an inlet whose first sphere is due at the end or later.
@@ -140,19 +128,19 @@ std::string Traffic::complaint(std::size_t k, const Seen& s) const {
              due - s.passed, due, inlet.radius[s.passed]);
 }
 
-bool Traffic::is_possible(const std::vector<Seen>& seen) const {
+bool Traffic::is_possible(const std::vector<Counts>& counts) const {
   for (std::size_t k = 0; k < inlets_.size(); ++k)
-    if (seen[k].passed > inlets_[k].due.size()) return false;
+    if (counts[k].passed > inlets_[k].due.size()) return false;
   return true;
 }
 
-void Traffic::report(const std::vector<Seen>& seen, protocol::DemFacts& facts,
+void Traffic::report(const std::vector<Counts>& counts, protocol::DemFacts& facts,
                      nlohmann::ordered_json& others) const {
   if (!any()) return;
   std::uint64_t in = 0, out = 0;
   others["inlets"] = others["outlets"] = nlohmann::ordered_json::object();
   for (std::size_t k = 0; k < inlets_.size(); ++k) {
-    const Seen& s = seen[k];
+    const Counts& s = counts[k];
     in += s.passed;
     others["inlets"][inlets_[k].name] = {{"came_in", s.passed},
                                          {"to_come", inlets_[k].due.size() - s.passed},
@@ -160,7 +148,7 @@ void Traffic::report(const std::vector<Seen>& seen, protocol::DemFacts& facts,
     if (const std::string sentence = complaint(k, s); !sentence.empty()) facts.warnings->push_back(sentence);
   }
   for (std::size_t k = 0; k < outlets_.size(); ++k) {
-    const std::uint64_t passed = seen[inlets_.size() + k].passed;
+    const std::uint64_t passed = counts[inlets_.size() + k].passed;
     out += passed;
     others["outlets"][outlets_[k].name] = passed;
   }

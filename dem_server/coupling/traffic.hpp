@@ -29,15 +29,15 @@ class Traffic {
   }
 
   // Counts of one inlet or outlet so far.
-  struct Seen {
+  struct Counts {
     std::uint64_t passed = 0;   // spheres that came in or went out
     std::uint64_t crowded = 0;  // windows before which an inlet had no room for a sphere that was due
   };
   // The counts before the first window: those of each inlet, then those of each outlet.
-  std::vector<Seen> nothing_seen() const { return std::vector<Seen>(inlets_.size() + outlets_.size()); }
+  std::vector<Counts> no_counts() const { return std::vector<Counts>(inlets_.size() + outlets_.size()); }
 
   // Whether no inlet has brought in more spheres than it has.
-  bool is_possible(const std::vector<Seen>& seen) const;
+  bool is_possible(const std::vector<Counts>& counts) const;
 
   // To be called before the window that begins at `now`, with the poses of the bodies at that time. Outlets
   // remove spheres first. Then each sphere that is due comes in at a random free position of its inlet. If
@@ -45,28 +45,25 @@ class Traffic {
   // next window. Positions depend on the seed, the sphere and `now` only. Inlets and outlets move with the
   // domain, by `shift` [m]. Returns new warnings.
   std::vector<std::string> pass(Engine& engine, Nanoseconds now, std::span<const BodyPose> poses, Vec3d shift,
-                                std::vector<Seen>& seen);
+                                std::vector<Counts>& counts);
 
   // Adds the counts to what is reported: to `facts`, which have warnings, and to `others`, upon which nobody
   // acts.
-  void report(const std::vector<Seen>& seen, protocol::DemFacts& facts, nlohmann::ordered_json& others) const;
+  void report(const std::vector<Counts>& counts, protocol::DemFacts& facts,
+              nlohmann::ordered_json& others) const;
 
  private:
   // The warning about an inlet that did not bring in all its spheres in time; empty where there is none.
-  std::string complaint(std::size_t inlet, const Seen& seen) const;
+  std::string complaint(std::size_t inlet, const Counts& counts) const;
 
-  struct Outlet {
-    std::string name;
-    Region region;
-  };
   // Returns false when there is no room.
   bool insert(Engine& engine, const Inlet& inlet, std::uint32_t first, Nanoseconds now,
-              std::span<const BodyPose> poses, Vec3d shift, Seen& so_far);
+              std::span<const BodyPose> poses, Vec3d shift, Counts& so_far);
 
   Periods periods_;
   std::vector<Inlet> inlets_;
   std::vector<std::uint32_t> first_;  // id of each inlet's first sphere
-  std::vector<Outlet> outlets_;
+  std::vector<scene::Outlet> outlets_;
   std::vector<bool> warned_;               // of each inlet: that it had no room
   double last_begin_ = -1, end_time_ = 0;  // of the last window, and of the scene [s]
 };

@@ -16,6 +16,7 @@
 #include "particles/base/backend.hpp"
 #include "particles/base/ranks.hpp"
 #include "particles/geometry/path.hpp"
+#include "particles/geometry/region.hpp"
 #include "particles/geometry/surface.hpp"
 #include "particles/grid/skin.hpp"
 #include "particles/state/particles.hpp"
@@ -93,31 +94,6 @@ class SphereError : public Error {
   Spheres before;
 };
 
-// A box [min, max), or the half space beyond the plane through `min` on the side of `normal`.
-struct Region {
-  Vec3d min, max;  // [m]
-  Vec3d normal;
-  bool half_space = false;
-};
-// The place of a sensor at one instant: a box about p, or a cylinder about p along the third axis of R.
-struct MeasuredRegion {
-  Vec3d p;     // [m]
-  Mat3d R;     // region to world [-]
-  Vec3d half;  // half of the edges of a box; of a cylinder the radius, the same, half of the height [m]
-  bool round = false;  // a cylinder
-  Vec3d flow;          // unit vector in the world along which the flow is measured; zero: none
-  BodyPose body;       // with which it moves
-};
-// Sums over the spheres in it.
-struct RegionSums {
-  std::uint64_t count = 0;
-  double mass = 0;            // [kg]
-  double volume = 0;          // [m3]
-  Vec3d moment;               // sum of mass times position [kg m]
-  Vec3d momentum;             // [kg m/s]
-  double kinetic_energy = 0;  // [J]
-  double flow_momentum = 0;   // relative to the region, along `flow` [kg m/s]
-};
 struct Ball {
   Vec3d x;            // centre [m]
   double radius = 0;  // [m]
@@ -178,7 +154,7 @@ class Engine {
   virtual const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) = 0;
   // To be called between two windows. The next window records the momentum of these spheres in lost_momentum.
   // remove() returns the number of spheres that it removes.
-  virtual std::uint64_t remove(const Region& region) = 0;
+  virtual std::uint64_t remove(const OutletRegion& region) = 0;
   virtual void insert(std::span<const Arrival> arrivals) = 0;
   // 1 for each ball that overlaps a sphere, or a wall when the bodies are in these poses, one per body.
   virtual std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,

@@ -55,7 +55,7 @@ class EngineOf final : public Engine {
   void write(const ArraySink& sink) override;
   void read(const ArraySource& source) override;
   const std::vector<WallTangent>& wall_tangents(std::span<const BodyPose> poses) override;
-  std::uint64_t remove(const Region& region) override;
+  std::uint64_t remove(const OutletRegion& region) override;
   void insert(std::span<const Arrival> arrivals) override;
   std::vector<std::uint8_t> find_overlapping(std::span<const Ball> balls,
                                              std::span<const BodyPose> poses) override;

@@ -53,7 +53,7 @@ void EngineOf<Exec, Law, Real>::upload_spheres(const Spheres& spheres, Range sha
 }
 
 template <BackEnd Exec, class Law, class Real>
-std::uint64_t EngineOf<Exec, Law, Real>::remove(const Region& region) {
+std::uint64_t EngineOf<Exec, Law, Real>::remove(const OutletRegion& region) {
   const auto [momentum, count] =
       pass(memory_.n, RemoveSpheres<Real, InRegion>{view_, {region}, quanta_.momentum});
   passed_momentum_ += momentum;

@@ -7,12 +7,6 @@
 
 namespace tandem::dem {
 
-TANDEM_HD inline bool contains(const Region& region, Vec3d x) {
-  if (region.half_space) return dot(region.normal, x - region.min) > 0;
-  return x.x >= region.min.x && x.x < region.max.x && x.y >= region.min.y && x.y < region.max.y &&
-         x.z >= region.min.z && x.z < region.max.z;
-}
-
 // Records a sphere that comes in or goes out, and its momentum.
 template <class Real, class Tally>
 TANDEM_HD void add_passing(const Parameters<Real>& p, std::uint32_t kind, Real radius, Vec3d v,
@@ -30,11 +24,11 @@ TANDEM_HD void park(PositionRadius<Real>& position, Vec3d v, std::uint32_t kind,
 
 // Which spheres leave: those in a region, or those outside a domain that has moved by `shift` [m].
 struct InRegion {
-  Region region;
+  OutletRegion region;
 
   template <class Real>
   TANDEM_HD bool operator()(const View<Real>& view, std::uint32_t side, std::uint32_t i) const {
-    return contains(region, view.parameters.periods.wrapped(view.centre(side, i)));
+    return region.contains(view.parameters.periods.wrapped(view.centre(side, i)));
   }
 };
 struct OutsideDomain {

@@ -18,13 +18,6 @@ enum RegionTotal {
   region_total_count,
 };
 
-TANDEM_HD inline bool contains(const MeasuredRegion& region, Vec3d x) {
-  const Vec3d local = region.R.transpose_times(x - region.p), half = region.half;
-  if (!(local.z >= -half.z && local.z < half.z)) return false;
-  if (region.round) return local.x * local.x + local.y * local.y < half.x * half.x;
-  return local.x >= -half.x && local.x < half.x && local.y >= -half.y && local.y < half.y;
-}
-
 template <class Real, bool spins>
 struct Measure {
   View<Real> view;
@@ -37,7 +30,7 @@ struct Measure {
     const PositionRadius<Real> own = view.spheres.position[side][i];
     if (is_parked(own) || !view.spheres.owns(i)) return;
     const Vec3d x = view.parameters.periods.wrapped(view.centre(side, i));
-    if (!contains(region, x)) return;
+    if (!region.contains(x)) return;
     const Vec3d v = view.velocity(side, i);
     const Real radius = view.parameters.radius(own);
     const Inertia inertia = view.parameters.inertia(view.spheres.velocity[side][i].kind(), radius);

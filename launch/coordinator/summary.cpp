@@ -11,6 +11,7 @@
 #include "common/file_draft.hpp"
 #include "common/scene/element_columns.hpp"
 #include "common/scene/sensor_columns.hpp"
+#include "common/scene/summary_keys.hpp"
 #include "common/utf8.hpp"
 #include "launch/build_info.hpp"
 #include "launch/coordinator/geometry_review.hpp"
@@ -34,9 +35,8 @@ struct OwnKey {
   const char* meaning;
 };
 constexpr std::array own_keys{
-#define COORDINATOR_KEY(key, meaning) OwnKey{key, meaning},
-#include "launch/coordinator/coordinator_keys.def"
-#undef COORDINATOR_KEY
+#define COORDINATOR_KEY(runs, key, meaning) OwnKey{key, meaning},
+#include "common/scene/figures.def"
 };
 
 bool is_own(std::string_view key) {
@@ -54,7 +54,7 @@ bool is_reserved(protocol::Role role, std::string_view key) {
 
 Json& Summary::own(const char* key) {
   if (!is_own(key))
-    throw Error(ErrorCode::internal, fmt::format("the key '{}' is not in coordinator_keys.def", key),
+    throw Error(ErrorCode::internal, fmt::format("the key '{}' is not in common/scene/figures.def", key),
                 "summary.json");
   return json_[key];
 }
@@ -150,7 +150,6 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
       throw Error(ErrorCode::protocol,
                   "sent the fact '" + item.key() + "', which only the coordinator writes",
                   protocol::name(role), "send it under another name");
-  const std::string prefix = std::string(protocol::word_of(role)) + "_";
   for (const auto& [key, value] : sent.items()) {
     if (value.is_array() && json_.contains(key) && json_[key].is_array()) {
       for (const Json& item : value) {
@@ -159,10 +158,8 @@ void Summary::add_facts(protocol::Role role, const std::string& facts) {
       }
     } else if (role == protocol::Role::sph) {
       own("sph")[key] = value;
-    } else if (key == "solver_seconds") {
-      json_[prefix + key] = value;
     } else {
-      json_[key] = value;
+      json_[scene::summary_key(protocol::word_of(role), key)] = value;
     }
   }
   const std::string hashes = facts_.mbd.state_hash.value_or("") + facts_.dem.state_hash.value_or("") +

@@ -88,7 +88,7 @@ class Summary {
   std::string table() const;
 
  private:
-  // A key of coordinator_keys.def, to write.
+  // A COORDINATOR_KEY of common/scene/figures.def, to write.
   nlohmann::ordered_json& own(const char* key);
   double number(const char* key) const;  // that was set here, 0 where there is none
   void declare_columns(const scene::Scene& scene);

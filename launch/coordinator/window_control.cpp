@@ -81,7 +81,7 @@ void WindowControl::save_or_restore(Archive& archive) {
   archive.expect(adaptive_ || length_ == of_scene, "window_control/length",
                  "the window is not coupling.window of the scene");
   const auto expect_positive = [&](const char* name, double value) {
-    archive.expect(std::isfinite(value) && value >= 0, name, "it is no finite number of at least 0");
+    archive.expect(std::isfinite(value) && value >= 0, name, "it is not a finite number of at least 0");
   };
   expect_positive("window_control/last_error", last_error_);
   expect_positive("window_control/exchanged", exchanged_);

@@ -181,7 +181,7 @@ void append_planes(const scene::Scene& scene, const std::vector<BodyMesh>& all, 
   std::vector<BodyMesh> others = all;
   others.push_back({ground, contact_ground, mesh});
   const scene::Box space = space_of(others, scene);
-  // Two surfaces at the same place would be drawn by chance.
+  // Of two surfaces at the same place the renderer would draw an arbitrary one.
   const double below = 1e-4 * norm(space.max - space.min);
   for (const scene::Shape& shape : scene.contact->ground) {
     const auto* given = std::get_if<scene::PlaneShape>(&shape.geometry);

@@ -29,7 +29,7 @@ std::string positive_length(const std::string& text) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0
              ? std::string()
-             : "'" + shortened(text) + "' is no finite number > 0";
+             : "'" + shortened(text) + "' is not a finite number > 0";
 }
 
 // A volume needs a closed surface. A share of one that is round-off says nothing.

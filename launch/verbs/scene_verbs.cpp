@@ -23,7 +23,7 @@ std::string stiffness_fault(const std::string& text) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0
              ? std::string()
-             : "'" + shortened(text) + "' is no finite number > 0";
+             : "'" + shortened(text) + "' is not a finite number > 0";
 }
 
 std::string length_fault(const std::string& text) {

@@ -30,9 +30,10 @@ NormalForce normal_force(const ContactLaw& law, double depth, double gap_rate, d
     else
       c = law.damping_number / entry_rate;
   }
-  const double grip = 1 - c * gap_rate;
-  if (!(grip > 0)) return {};
-  return {elastic * grip, elastic * (n / depth * grip - by_depth * gap_rate), -elastic * c};
+  const double damping_factor = 1 - c * gap_rate;
+  if (!(damping_factor > 0)) return {};
+  return {elastic * damping_factor, elastic * (n / depth * damping_factor - by_depth * gap_rate),
+          -elastic * c};
 }
 
 using Row6d = Eigen::Matrix<double, 1, 6>;

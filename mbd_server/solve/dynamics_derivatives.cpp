@@ -1,6 +1,6 @@
 // Analytic derivatives of the residual, after [Carpentier2018]; here in world axes, for all joints whose
 // subspace is fixed in their outboard link, with the weighted sum of the three matrices formed at once and
-// kept as local blocks. docs/mbd.md derives them.
+// kept as local blocks. docs/mbd_equations.md derives them.
 //
 // Let joint j move by x, so that all links i >= j (j and everything outboard of it) move by psi = S_j x. With
 // p the parent of j,

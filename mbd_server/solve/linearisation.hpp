@@ -2,8 +2,8 @@
 // tree.
 //
 // With increments x of the coordinates, each link has y = [psi; eta; eps] (18): its displacement, and the
-// weighted changes of its velocity and acceleration without their rotation with the link (docs/mbd.md,
-// "Derivatives and elimination"):
+// weighted changes of its velocity and acceleration without their rotation with the link
+// (docs/mbd_equations.md):
 //   y_i = y_p + Y_i x_i                          outward
 //   f_i = K_i y_i + sum of children (f_c + turn_c x_c) + C z        inward; f: change of force, co-rotated
 //   row of the joint: S_i^T f_i + diag_i x_i,    row of a connection: R_a y_a + R_b y_b - soft z

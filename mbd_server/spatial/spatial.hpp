@@ -3,8 +3,8 @@
 // Motion [w; v]: angular velocity, and velocity of the body-fixed point that coincides with O.
 // Force  [n; f]: moment about O, and force.
 // One common frame makes every sum over bodies a plain sum and every derivative one cross product
-// (docs/mbd.md); its cost is a loss of (distance from O / size of the body)^2 in the last digits. Notation:
-// [Featherstone2008], chapter 2.
+// (docs/mbd_equations.md); its cost is a loss of (distance from O / size of the body)^2 in the last digits.
+// Notation: [Featherstone2008], chapter 2.
 #pragma once
 
 #include <Eigen/Core>

@@ -16,7 +16,7 @@ std::optional<std::uint32_t> setting(const char* name) {
   const char* const end = text + std::strlen(text);
   const auto read = std::from_chars(text, end, number);
   if (read.ec != std::errc{} || read.ptr != end)
-    throw Error(ErrorCode::usage, std::string("\"") + text + "\" is no whole number", name,
+    throw Error(ErrorCode::usage, std::string("\"") + text + "\" is not a whole number", name,
                 "say one, or unset the variable");
   return number;
 }

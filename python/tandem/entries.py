@@ -60,7 +60,7 @@ class Entry(dict):
 def plain(value: Any) -> Any:
     """The JSON that a value stands for: objects of a scene by their name, tuples, ranges and arrays as lists."""
     if isinstance(value, float) and not math.isfinite(value):
-        raise SceneError(f"{value!r} is no finite number", hint="a scene has no other numbers")
+        raise SceneError(f"{value!r} is not a finite number", hint="a scene has no other numbers")
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if hasattr(value, "as_json"):

@@ -14,7 +14,7 @@ def finite(value: Any, what: str, example: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise SceneError(f"{what} is {value!r}, which is no number", hint=f"give {example}")
     if not math.isfinite(value):
-        raise SceneError(f"{what} is {value!r}, which is no finite number", hint=f"give {example}")
+        raise SceneError(f"{what} is {value!r}, which is not a finite number", hint=f"give {example}")
     return float(value)
 
 

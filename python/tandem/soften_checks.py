@@ -59,7 +59,7 @@ def expect_numbers(levels: Dict[str, Any], overlap: Any) -> None:
             raise SceneError(f"{level!r} is no list of numbers", f"--{name}", f"for instance {name}=[{level if isinstance(level, (int, float)) else 1}]")
         for value in level:
             if not _is_number(value) or value <= 0:
-                raise SceneError(f"{value!r} is no finite number above 0", f"--{name}")
+                raise SceneError(f"{value!r} is not a finite number above 0", f"--{name}")
     if not _is_number(overlap) or not 0 < overlap <= 1:
         raise SceneError(f"{overlap!r} is no overlap", "--overlap", "write a number above 0 and up to 1, relative to the smaller radius")
 

@@ -239,7 +239,7 @@ class _Work:
                 candidate.errors[measure.of], candidate.first_errors[measure.of] = _rms(errors), errors[0]
             lost = [name for name, error in candidate.errors.items() if not math.isfinite(error)]
             if lost:
-                candidate.fault = f"{', '.join(lost)} is no finite number"
+                candidate.fault = f"{', '.join(lost)} is not a finite number"
             elif fresh:
                 candidate.fault = "suspect by " + "; ".join(f"{rule}: {text}" for rule, text in fresh.items())
             elif candidate.overlap > self.largest_overlap:

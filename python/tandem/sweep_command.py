@@ -17,7 +17,7 @@ def finite(word: str, option: str = "--set") -> float:
         raise ValueError
     value = float(word)
     if not math.isfinite(value):
-        raise SceneError(f"'{word.strip()}' is no finite number", option, "give a number such as 0.05 or 1e-3", made_at="the command line")
+        raise SceneError(f"'{word.strip()}' is not a finite number", option, "give a number such as 0.05 or 1e-3", made_at="the command line")
     return value
 
 

@@ -132,7 +132,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
     for (const std::string& sentence : body.approximations) log::info("{}", sentence);
   }
   traffic_ = Traffic(sph, start.inlets, start.setup);
-  passed_ = traffic_.nothing_seen();
+  passed_ = traffic_.no_counts();
   for (const Inlet& inlet : start.inlets) {
     if (bodies_.empty() || bodies_.back().body != ground) ++bodies_loaded_;
     load_of_.push_back(bodies_loaded_ - 1);
@@ -170,7 +170,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   engine_->set_state(liquid_now, start.poses);
   measure_responses(start, liquid_now);
   sensors_ = Sensors(scene_, start.setup, walls);
-  seen_ = sensors_.nothing_seen();
+  flows_ = sensors_.no_flows();
   const EnergyBalance energies = engine_->energies();
   memory_.energy_start = energies.kinetic + energies.compression;
   memory_.energy_scale = memory_.energy_start;
@@ -211,7 +211,7 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
       step_at_rest(), *facts.steps_per_window);
   for (const std::string& what : left_out) log::info("left out: {}", what);
   std::vector<double> measured;
-  if (sensors_.any()) measured = sensors_.measure(*engine_, 0, seen_);
+  if (sensors_.any()) measured = sensors_.measure(*engine_, 0, flows_);
   return {{}, protocol::encode_facts(facts, others), measured};
 }
 

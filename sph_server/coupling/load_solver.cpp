@@ -168,7 +168,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
   if (const double volume = mass() / properties_.density; volume > 0)
     memory_.volume_error = std::max(memory_.volume_error, std::abs(engine_->volume() / volume - 1));
   account.kinetic_energy = engine_->energies().kinetic;
-  if (sensors_.any()) loads_.sensors = sensors_.measure(*engine_, length, seen_);
+  if (sensors_.any()) loads_.sensors = sensors_.measure(*engine_, length, flows_);
   solver_cpu_seconds_ += cpu_seconds(CpuClock::process) - cpu_begin;
   solver_seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
   return loads_;
@@ -259,7 +259,7 @@ const protocol::ParticlesFrame& Solver::read_snapshot() {
 void Solver::save() {
   engine_->save();
   saved_ = memory_;
-  saved_seen_ = seen_;
+  saved_flows_ = flows_;
   saved_passed_ = passed_;
   saved_id_ = id_;
 }
@@ -267,7 +267,7 @@ void Solver::save() {
 void Solver::restore() {
   engine_->restore();
   memory_ = saved_;
-  seen_ = saved_seen_;
+  flows_ = saved_flows_;
   passed_ = saved_passed_;
   id_ = saved_id_;
 }

@@ -112,9 +112,9 @@ class Solver final : public protocol::LoadSolver {
   std::size_t bodies_loaded_ = 0;
   std::vector<std::vector<Vec3d>> corners_;  // of the walls of each of bodies_, in its frame [m]
   Sensors sensors_;
-  std::vector<Sensors::Seen> seen_, saved_seen_;
+  std::vector<particles::FlowRecord> flows_, saved_flows_;
   Traffic traffic_;
-  std::vector<Traffic::Seen> passed_, saved_passed_;
+  std::vector<Traffic::Counts> passed_, saved_passed_;
   std::vector<std::uint32_t> id_, saved_id_;  // of the particles, ascending
   std::uint32_t at_start_ = 0;                // particles
   Memory memory_, saved_;

@@ -71,7 +71,7 @@ std::string Solver::sentence_of_lost() const {
       memory_.lost, static_cast<double>(memory_.lost) * properties_.mass());
 }
 
-// A liquid that is far too fast or too dense goes anywhere at last: the error then says so first.
+// Where the liquid was far too fast or too dense before, the error says so.
 Error Solver::explained(const Error& error) const {
   if (error.code() != ErrorCode::numerics) return error;
   if (memory_.density_error > largest_density_error || mach() > largest_flow_mach)
@@ -150,7 +150,7 @@ std::vector<std::string> Solver::warnings_of_run() const {
   if (memory_.fast_share > largest_fast_share) all.push_back(sentence_of_mach());
   if (memory_.wall_speed > largest_mach * properties_.sound_speed) all.push_back(sentence_of_walls());
   if (memory_.lost > 0) all.push_back(sentence_of_lost());
-  for (const std::string& sentence : sensors_.warnings(seen_)) all.push_back(sentence);
+  for (const std::string& sentence : sensors_.warnings(flows_)) all.push_back(sentence);
   if (const std::uint64_t passed = engine_->figures().passed_walls; passed > 0)
     all.push_back(fmt::format("{} times a particle of the liquid passed a wall", passed));
   if (const double left = norm(engine_->figures().pair_impulse_rate); left > 0)

@@ -15,6 +15,7 @@
 #include "particles/base/backend.hpp"
 #include "particles/geometry/path.hpp"
 #include "particles/geometry/periods.hpp"
+#include "particles/geometry/region.hpp"
 #include "sph_server/equations/liquid.hpp"
 
 namespace tandem::sph {
@@ -85,24 +86,6 @@ struct LiquidTotals {
   double compression = 0;  // energy [J]
 };
 
-// A box, or a cylinder about the third axis, on a body.
-struct LiquidRegion {
-  Vec3d centre;              // [m]
-  Mat3d axes;                // of the shape, as columns [-]
-  Vec3d half;                // half the edges, or radius, radius and half the height [m]
-  bool round = false;        // a cylinder
-  Vec3d along;               // unit vector for the flow, or zero
-  particles::BodyPose body;  // relative to which the flow counts
-};
-// Sums over the particles in a region at one time.
-struct RegionSums {
-  std::uint64_t count = 0;
-  double mass = 0, volume = 0;  // [kg], [m3]
-  Vec3d moment, momentum;       // [kg m], [kg m/s]
-  double kinetic = 0;           // energy [J]
-  double along = 0;             // momentum relative to the body, along the flow [kg m/s]
-};
-
 struct StepFigures {
   double largest_speed = 0;         // relative to the vessel [m/s]
   double largest_acceleration = 0;  // [m/s2]
@@ -121,19 +104,6 @@ struct StartCost {
   double rates_seconds = 0;        // wall time of the rates of all particles [s]
 };
 
-// Where particles leave: beyond a plane through `from` with the normal `to`, or in a box from one to the
-// other.
-struct OutletRegion {
-  bool beyond_plane = false;
-  Vec3d from, to;  // [m], or [-]
-
-  TANDEM_HD bool contains(Vec3d x) const {
-    if (beyond_plane) return dot(x - from, to) > 0;
-    for (int a = 0; a < 3; ++a)
-      if (!(x[a] >= from[a] && x[a] < to[a])) return false;
-    return true;
-  }
-};
 // A particle that has left.
 struct TakenParticle {
   std::uint32_t number = 0;  // among those before
@@ -177,7 +147,7 @@ class LiquidEngine {
                         const std::vector<particles::BodyPose>& poses) = 0;
   // Takes the particles in any of these regions out, by ascending number; the others keep their order. Where
   // there are some, rates are computed at once, and the next step has no step before it.
-  virtual std::vector<TakenParticle> take_out(const std::vector<OutletRegion>& regions) = 0;
+  virtual std::vector<TakenParticle> take_out(const std::vector<particles::OutletRegion>& regions) = 0;
   // Moves particles apart until walls and particles fill the space evenly. after_step(k) is called after step
   // k. Error{numerics} where a particle leaves the domain.
   virtual void pack(const Packing& how, const std::function<void(int)>& after_step) = 0;
@@ -192,7 +162,7 @@ class LiquidEngine {
   virtual LiquidTotals totals() const = 0;
   Vec3d momentum() const { return totals().momentum; }  // of the liquid [kg m/s]
   double volume() const { return totals().volume; }     // sum of m/rho of the particles [m3]
-  virtual RegionSums sums_in(const LiquidRegion& region) const = 0;
+  virtual particles::RegionSums sums_in(const particles::MeasuredRegion& region) const = 0;
   // The particles less than `radius` [m] from the line through `from` along a unit vector, in their order;
   // where `along` is zero, from the point.
   virtual LiquidState near_line(Vec3d from, Vec3d along, double radius) const = 0;

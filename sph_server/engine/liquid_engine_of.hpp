@@ -97,7 +97,7 @@ class LiquidEngineOf final : public LiquidEngine {
   }
   void exchange(std::span<const std::uint32_t> leaving, const LiquidState& arriving,
                 const std::vector<particles::BodyPose>& poses) override;
-  std::vector<TakenParticle> take_out(const std::vector<OutletRegion>& regions) override;
+  std::vector<TakenParticle> take_out(const std::vector<particles::OutletRegion>& regions) override;
 
   LiquidState state() const override {
     const Host host = download();
@@ -175,7 +175,7 @@ class LiquidEngineOf final : public LiquidEngine {
 
   // See engine/measured.hpp.
   LiquidTotals totals() const override;
-  RegionSums sums_in(const LiquidRegion& region) const override;
+  particles::RegionSums sums_in(const particles::MeasuredRegion& region) const override;
   LiquidState near_line(Vec3d from, Vec3d along, double radius) const override;
   EnergyBalance energies() const override;
 
@@ -568,7 +568,7 @@ class LiquidEngineOf final : public LiquidEngine {
   float skin_of_walls_ = 0;                   // [m]
   bool keeps_all_ = false;                    // a particle outside the domain is an error
   LostParticles lost_;
-  Buffer<OutletRegion> outlets_;                            // see take_out()
+  Buffer<particles::OutletRegion> outlets_;                 // see take_out()
   Buffer<std::uint32_t> before_;                            // how many beside walls precede each particle
   Buffer<std::uint32_t> stay_before_, stay_before_number_;  // see PartLost
   Buffer<std::uint32_t> beside_wall_in_order_, class_, beside_wall_;  // see FacetClasses

@@ -20,7 +20,7 @@ template <class Real>
 struct IsInNoOutlet {
   LiquidArrays<Real> liquid;
   particles::CentreUnit<Real> centres;
-  const OutletRegion* region = nullptr;
+  const particles::OutletRegion* region = nullptr;
   std::uint32_t regions = 0;
   TANDEM_HD bool operator()(std::uint32_t i) const {
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
@@ -107,8 +107,8 @@ void LiquidEngineOf<Exec, Real, shifting>::take_out_lost() {
 
 template <class Exec, class Real, bool shifting>
 std::vector<TakenParticle> LiquidEngineOf<Exec, Real, shifting>::take_out(
-    const std::vector<OutletRegion>& regions) {
-  exec_.upload(outlets_, std::span<const OutletRegion>(regions));
+    const std::vector<particles::OutletRegion>& regions) {
+  exec_.upload(outlets_, std::span<const particles::OutletRegion>(regions));
   const std::uint32_t particles = mark_staying(
       IsInNoOutlet<Real>{liquid_, centres_, outlets_.data(), static_cast<std::uint32_t>(regions.size())});
   if (particles == 0) return {};

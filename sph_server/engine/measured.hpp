@@ -33,23 +33,24 @@ LiquidTotals LiquidEngineOf<Exec, Real, shifting>::totals() const {
 }
 
 template <class Exec, class Real, bool shifting>
-RegionSums LiquidEngineOf<Exec, Real, shifting>::sums_in(const LiquidRegion& region) const {
+particles::RegionSums LiquidEngineOf<Exec, Real, shifting>::sums_in(
+    const particles::MeasuredRegion& region) const {
   const Liquid& l = setup_.liquid;
   const RegionQuanta q = RegionQuanta::of(region, count_, figures_.largest_speed + norm(frame_velocity()),
                                           figures_.largest_compression);
   const RegionTally t =
       exec_.template reduce<RegionTally>(count(), AddInRegion<Real>{liquid_, centres_, region, q});
-  RegionSums sums;
+  particles::RegionSums sums;
   const double n = static_cast<double>(t.count);
   sums.count = t.count;
   sums.mass = n * l.mass();
   sums.volume = l.mass() / l.density * (n + particles::from_fixed(t.expansion, q.expansion));
   for (int a = 0; a < 3; ++a) {
-    sums.moment[a] = l.mass() * (n * region.centre[a] + particles::from_fixed(t.place[a], q.place));
+    sums.moment[a] = l.mass() * (n * region.p[a] + particles::from_fixed(t.place[a], q.place));
     sums.momentum[a] = l.mass() * particles::from_fixed(t.velocity[a], q.velocity);
   }
-  sums.kinetic = 0.5 * l.mass() * particles::from_fixed(t.squares, q.square);
-  sums.along = l.mass() * particles::from_fixed(t.along, q.along);
+  sums.kinetic_energy = 0.5 * l.mass() * particles::from_fixed(t.squares, q.square);
+  sums.flow_momentum = l.mass() * particles::from_fixed(t.along, q.along);
   return sums;
 }
 

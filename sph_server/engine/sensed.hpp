@@ -13,13 +13,6 @@
 
 namespace tandem::sph {
 
-TANDEM_HD inline bool contains(const LiquidRegion& region, Vec3d x) {
-  const Vec3d in = region.axes.transpose_times(x - region.centre);
-  if (!(std::fabs(in.z) <= region.half.z)) return false;
-  if (region.round) return in.x * in.x + in.y * in.y <= region.half.x * region.half.x;
-  return std::fabs(in.x) <= region.half.x && std::fabs(in.y) <= region.half.y;
-}
-
 // Sums of integers, with the same bits for every number of threads and every back end. Places are those
 // relative to the middle of the region.
 struct RegionTally {
@@ -41,13 +34,13 @@ struct RegionQuanta {
   particles::Quantum expansion, place, velocity, square, along;
 
   // Of `count` particles, none of which has more than this speed [m/s] and compression [-].
-  static RegionQuanta of(const LiquidRegion& region, std::size_t count, double speed, double compression) {
+  static RegionQuanta of(const particles::MeasuredRegion& region, std::size_t count, double speed,
+                         double compression) {
     const auto range = [count](double most) {
       return particles::Quantum::for_range(static_cast<double>(count) * std::max(most, 1e-150));
     };
     const double extent = norm(region.half),
-                 wall = norm(region.body.v) +
-                        norm(region.body.w) * (norm(region.centre - region.body.p) + extent);
+                 wall = norm(region.body.v) + norm(region.body.w) * (norm(region.p - region.body.p) + extent);
     return {range(compression / (1 - compression)), range(extent), range(speed), range(speed * speed),
             range(speed + wall)};
   }
@@ -57,14 +50,14 @@ template <class Real>
 struct AddInRegion {
   LiquidArrays<Real> liquid;
   particles::CentreUnit<Real> centres;
-  LiquidRegion region;
+  particles::MeasuredRegion region;
   RegionQuanta quanta;
 
   TANDEM_HD void operator()(std::uint32_t i, RegionTally& sum) const {
     const particles::FinePart<Real> fine = liquid.fine_part(i);
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], fine));
-    if (!contains(region, x)) return;
-    const Vec3d v = particles::velocity_of(liquid.velocity[i], fine), from = x - region.centre;
+    if (!region.contains(x)) return;
+    const Vec3d v = particles::velocity_of(liquid.velocity[i], fine), from = x - region.p;
     const Vec3d of_body = region.body.v + cross(region.body.w, x - region.body.p);
     const double e = liquid.compression[i];
     ++sum.count;
@@ -74,7 +67,7 @@ struct AddInRegion {
       sum.velocity[a] += particles::to_fixed(v[a], quanta.velocity);
     }
     sum.squares += particles::to_fixed(norm2(v), quanta.square);
-    sum.along += particles::to_fixed(dot(region.along, v - of_body), quanta.along);
+    sum.along += particles::to_fixed(dot(region.flow, v - of_body), quanta.along);
   }
 };
 

@@ -245,7 +245,7 @@ TEST(BackEndSettings, WrongOnesAreRefused) {
        {"TANDEM_CUDA_BLOCK", "TANDEM_CUDA_REGIONS", "TANDEM_CUDA_LANES", "TANDEM_CUDA_GRAPHS"})
     for (const char* value : {"64abc", "", "-1", " 64", "99999999999"})
       EXPECT_EQ(refusal(name, value), std::string(name) + ": \"" + value +
-                                          "\" is no whole number (say one, or unset the variable)");
+                                          "\" is not a whole number (say one, or unset the variable)");
   EXPECT_EQ(refusal("TANDEM_CUDA_BLOCK", "64"), "nothing");
 }
 

@@ -11,15 +11,7 @@ GasSpring GasSpring::read(const Node& node, const Names& bodies, const Names&) {
   node.read("name", gas.name);
   gas.body_a = read_body(node, "body_a", bodies);
   gas.body_b = read_body(node, "body_b", bodies);
-  node.read("point_a", gas.point_a);
-  node.read("point_b", gas.point_b);
-  node.read("piston_area", gas.piston_area);
-  node.read("pressure", gas.pressure);
-  node.read("volume", gas.volume);
-  node.read("exponent", gas.exponent);
-  node.read("ambient_pressure", gas.ambient_pressure);
-  node.read("leakage", gas.leakage);
-  node.read("damping", gas.damping);
+  read_keys(node, gas);
   if (node.has("limits")) gas.limits = parse_limits(node.at("limits"));
   return gas;
 }

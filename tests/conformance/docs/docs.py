@@ -6,9 +6,10 @@ usage: docs.py links ROOT         every link and anchor of the pages leads somew
        docs.py json ROOT TANDEM   every ```json block is a scene that `TANDEM validate` accepts, or is marked
                                   ```json fragment DEFINITION: then its keys are those of that definition of the schema;
                                   ```json lines: one JSON value per line
-       docs.py keys ROOT          the tables of docs/scene_format.md have every key of the schema, with its unit and default, and
-                                  the defaults are those of common/scene/model.hpp
-       docs.py codes ROOT         docs/troubleshooting.md has every error code, exit status, violation and verdict rule
+       docs.py keys ROOT [--write]  the tables of docs/scene_format.md and docs/scene_format/ have every key of the schema, with its unit
+                                  and default, and the defaults are those of common/scene/model.hpp. Rows of plain keys begin with the
+                                  sentence of the schema: --write makes them
+       docs.py codes ROOT         docs/troubleshooting.md has every error code, exit status and violation
        docs.py kit ROOT           docs/participant.md has every feature, capability and function of the participant kit
        docs.py words ROOT         the pages use the words of the field (table WORDS)
 """
@@ -19,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 
-from pages import Page, marked_tables, pages, place
+from pages import Page, cells, marked_tables, pages, place
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 CITED = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d|MbdDem)\](?!\()")
@@ -230,11 +231,60 @@ def default_faults(here, key, row, having, model):
             yield f"common/scene/schema.json: the default of '{key}' of {name} is {given} here and {initial} in common/scene/model.hpp"
 
 
+def declared_by_schema(root):
+    """Definitions whose plain keys, numbers, switches and vectors, are described by the schema only (cmake/scene_keys.cmake)."""
+    text = (root / "common/scene/CMakeLists.txt").read_text() if (root / "common/scene/CMakeLists.txt").is_file() else ""
+    found = re.search(r'tandem_scene_keys\(\w+ "[^"]*"([^)]*)\)', text)
+    return found[1].split() if found else []
+
+
+def is_plain(key, rule):
+    is_value = rule.get("type") in ("number", "integer", "boolean") or rule.get("$ref", "").endswith("/vec3")
+    return is_value and not re.search("_deg$|^local$", key)
+
+
+def row_of(key, rule, required):
+    """The row of a plain key."""
+    described = re.fullmatch(r"(.*?)(?: \[([^\]]*)\])?", rule["description"])
+    default = "-" if required else json.dumps(rule["default"]) if "default" in rule else "none"
+    return {"key": f"`{key}`", "unit": described[2] or "", "default": f"`{default}`" if default[0] == "[" else default, "meaning": described[1]}
+
+
+def says(row, sentence):
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", row.get("meaning", "")).replace("`", "")
+    return text.startswith(sentence)
+
+
+def write_rows(root):
+    """Brings the rows of plain keys up to date: their sentence, and rows that are missing, at the end of the table."""
+    schema = read_schema(root)["definitions"]
+    for path in sorted((root / "docs/scene_format").glob("*.md")):
+        lines = path.read_text().split("\n")
+        for name in declared_by_schema(root):
+            mark = next((i for i, line in enumerate(lines) if re.match(rf"<!-- keys: (.* )?{name}( .*)? -->$", line)), None)
+            if mark is None:
+                continue
+            begin = next(i for i in range(mark, len(lines)) if lines[i].startswith("|"))
+            for key, rule in schema[name]["properties"].items():
+                if not is_plain(key, rule):
+                    continue
+                end = next(i for i in range(begin, len(lines)) if not lines[i].startswith("|"))
+                at = next((i for i in range(begin, end) if f"`{key}`" in cells(lines[i])[0]), end)
+                wanted = row_of(key, rule, key in schema[name].get("required", []))
+                head = cells(lines[begin])
+                if at < end and says(dict(zip(head, cells(lines[at]))), wanted["meaning"]):
+                    continue
+                lines[at:at + (at < end)] = ["| " + " | ".join(wanted.get(column, "") for column in head) + " |"]
+        path.write_text("\n".join(lines))
+
+
 def key_tables(root):
     schema = read_schema(root)
-    known, page, model = objects(schema), Page(root / "docs/scene_format.md"), model_defaults(root)
+    known, model, described = objects(schema), model_defaults(root), declared_by_schema(root)
+    scene_pages = [root / "docs/scene_format.md", *sorted((root / "docs/scene_format").glob("*.md"))]
     faults, seen, count = [], {}, 0
-    for number, names, rows, wrong, section in marked_tables(page, "keys"):
+    for page, table in [(page, table) for page in map(Page, scene_pages) for table in marked_tables(page, "keys")]:
+        number, names, rows, wrong, section = table
         here = place(root, page, number)
         faults += [f"{here}: a row has another number of cells than the head: {row}" for row in wrong]
         unknown = [name for name in names if name not in known]
@@ -247,8 +297,8 @@ def key_tables(root):
                 of_key[key] = row
         for name in names:
             if name in seen:
-                faults.append(f"{here}: {name} has a table already at line {seen[name]}")
-            seen[name] = number
+                faults.append(f"{here}: {name} has a table already at {seen[name]}")
+            seen[name] = here
         rules = [known[name] for name in names]
         expected = {key for rule in rules for key in rule["properties"]}
         count += len(expected)
@@ -270,11 +320,15 @@ def key_tables(root):
             given = {unit.strip() for unit in row["unit"].split(",") if unit.strip()}
             if given - told or (told and not given):
                 faults.append(f"{here}: the unit of '{key}' is '{row['unit']}' here and '{', '.join(sorted(told))}' in the schema")
+            for name in names:
+                rule = known[name]["properties"].get(key)
+                if rule and name in described and is_plain(key, rule) and not says(row, row_of(key, rule, False)["meaning"]):
+                    faults.append(f"{here}: '{key}' of {name} begins otherwise than in the schema: docs.py keys --write")
             for rule in having:
                 for word in words_of(rule["properties"][key]):
                     if f"`{word}`" not in section:
                         faults.append(f"{here}: the value `{word}` of '{key}' is missing in this section")
-    faults += [f"docs/scene_format.md: there is no table of '{name}'" for name in known if name not in seen]
+    faults += [f"docs/scene_format: there is no table of '{name}'" for name in known if name not in seen]
     return faults, count
 
 
@@ -288,7 +342,6 @@ def declared(root):
         "error": set(re.findall(r'return "(\w+)";', naming)) - {"unknown"},
         "exit": set(re.findall(r"return (\d+);", status)) | {"0", "1"},
         "violation": set(re.findall(r'return "(\w+)";', (root / "protocol/violation.cpp").read_text())) - {"unknown"},
-        "rule": set(re.findall(r'push_back\(\s*\{"(\w+)",', "".join(path.read_text() for path in sorted((root / "launch/verdict").glob("*_rules.cpp"))))),
     }
 
 
@@ -364,6 +417,8 @@ def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     command, root = sys.argv[1], pathlib.Path(sys.argv[2])
+    if sys.argv[3:] == ["--write"]:
+        write_rows(root)
     checks = {"links": links, "json": lambda root: json_blocks(root, validated_by(sys.argv[3])), "keys": key_tables,
               "codes": code_tables, "kit": kit_tables, "words": word_faults}
     faults, count = checks[command](root)

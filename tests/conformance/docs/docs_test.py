@@ -68,12 +68,6 @@ CODES = """<!-- codes: error -->
 | violation | meaning |
 |---|---|
 | `truncated` | cut off |
-
-<!-- codes: rule -->
-
-| rule | meaning |
-|---|---|
-| `lost` | spheres left |
 """
 KIT = """<!-- kit: features -->
 
@@ -98,7 +92,6 @@ SOURCES = {
     "common/scene/model.hpp": "struct Body {\n  double mass = 0;\n  Kind kind = Kind::soft;  // hard\n};\n",
     "common/error.cpp": 'case usage: return "usage";\nint exit_status(ErrorCode code) {\n  return 2;\n}',
     "protocol/violation.cpp": 'return "truncated";',
-    "launch/verdict/particle_rules.cpp": 'table.push_back(\n      {"lost", "lost_particles", 0.1,',
     "participant/library/features.cpp": 'return "joint:fixed";\n return "joint:unknown";\n features.add("joint.cut", "mbd.joints");',
     "participant/include/tandem/participant.h": "#define TANDEM_CAN_PREDICT 1\n  int (*predict)(void *self);",
     "docs/scene_format.md": TABLES,
@@ -198,6 +191,18 @@ class Keys(Planted):
         self.caught(docs.key_tables, self.table("# Page", "<!-- keys: scenery -->"), "scenery is not there")
         self.caught(docs.key_tables, self.table("# Page", "# Page\n\n<!-- keys: group -->\n\n" + TABLES[TABLES.rindex("| key"):]), "group has a table already")
 
+    def test_sentences_of_plain_keys(self):
+        cmake = {"common/scene/CMakeLists.txt": 'tandem_scene_keys(KEYS "${SCHEMA}"\n  body)\n'}
+        self.passes(docs.key_tables, cmake)
+        self.caught(docs.key_tables, {**cmake, **self.table("| - | mass |", "| - | weight |")}, "'mass' of body begins otherwise than in the schema")
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for name, text in {**SOURCES, **cmake, "docs/scene_format/body.md": "<!-- keys: body -->\n\n| key | unit | default | meaning |\n|---|---|---|---|\n"}.items():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text(text)
+            docs.write_rows(root)
+            self.assertIn("|---|---|---|---|\n| `mass` | kg | - | mass |\n", (root / "docs/scene_format/body.md").read_text())
+
     def test_cells(self):
         self.caught(docs.key_tables, self.table("| kg |", "| g |"), "the unit of 'mass' is 'g' here and 'kg'")
         self.caught(docs.key_tables, self.table("| kg |", "| |"), "the unit of 'mass' is ''")
@@ -223,11 +228,11 @@ class Keys(Planted):
 class Codes(Planted):
     def test_codes(self):
         self.passes(docs.code_tables, {})
-        for kind, code in (("error", "usage"), ("exit", "2"), ("violation", "truncated"), ("rule", "lost")):
+        for kind, code in (("error", "usage"), ("exit", "2"), ("violation", "truncated")):
             without = "\n".join(line for line in CODES.splitlines()
                                 if f"`{code}`" not in line)
             self.caught(docs.code_tables, {"docs/troubleshooting.md": without}, f"{kind} {code} is missing")
-        self.caught(docs.code_tables, {"docs/troubleshooting.md": CODES.replace("`lost`", "`lost`, `found`")}, "no rule found")
+        self.caught(docs.code_tables, {"docs/troubleshooting.md": CODES.replace("`truncated`", "`truncated`, `found`")}, "no violation found")
         self.caught(docs.code_tables, {"docs/troubleshooting.md": CODES.replace("| cut off |", "| |")}, "an empty cell")
 
 

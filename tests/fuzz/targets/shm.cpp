@@ -197,7 +197,7 @@ Bytes honest_memory(unsigned end) {
   out.written = at;
   Order order;
   order.pieces = whole / piece;
-  if (whole % piece != 0) throw std::logic_error("the memory is no whole number of pieces");
+  if (whole % piece != 0) throw std::logic_error("the memory is not a whole number of pieces");
   const auto first = std::as_bytes(std::span(&order, 1));
   Bytes all(first.begin(), first.end());
   all.insert(all.end(), mapping.bytes().begin(), mapping.bytes().end());

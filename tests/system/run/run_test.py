@@ -164,7 +164,7 @@ class Refusals(Case):
             self.assertIn(f"--checkpoint-every: {value} s is no time between restart files (give 1e-9 to 9e9 s",
                           self.refusal(*run, f"--checkpoint-every={value}"))
         self.assertIn("--checkpoint-every: 0 s is no time", self.refusal(*run, "--checkpoint-every", "0"))
-        self.assertIn("'inf' is no finite number > 0", self.refusal("import", "x.urdf", "--stops", "1", "inf"))
+        self.assertIn("'inf' is not a finite number > 0", self.refusal("import", "x.urdf", "--stops", "1", "inf"))
         self.assertFalse(self.out.exists())
 
     def test_a_link_to_nothing_is_no_folder(self):

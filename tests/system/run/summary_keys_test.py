@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The numbers of summary.json that checks may name are those that runs write: common/scene/summary_keys.def."""
+"""The numbers of summary.json that checks may name are those that runs write: common/scene/figures.def."""
 import json
 import os
 import pathlib
@@ -33,8 +33,11 @@ def numbers(value, path=""):
 class SummaryKeys(Case):
     def setUp(self):
         super().setUp()
-        table = (ROOT / "common" / "scene" / "summary_keys.def").read_text()
-        self.known = set(re.findall(r'^TANDEM_SUMMARY_KEY\(\w+, "(\S+)"\)$', table, re.M))
+        table = (ROOT / "common" / "scene" / "figures.def").read_text()
+        self.known = set(re.findall(r'^(?:NUMBER|COORDINATOR_KEY)\((?!none)\w+, "([^"]+)"', table, re.M))
+        for solver, key in re.findall(r'^(\w+)_FACT\(\w+, (?:Count|Number|Estimate), \w+, "([^"]+)"', table, re.M):
+            prefix = "sph." if solver == "SPH" else f"{solver.lower()}_" if key == "solver_seconds" else ""
+            self.known.add(prefix + key)
         self.seen = set()
 
     def look_at(self, scene, *arguments, out="out"):

@@ -2,13 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
-
 #include "common/scene/element_columns.hpp"
 #include "common/scene/parse.hpp"
 #include "common/scene/sensor_columns.hpp"
+#include "tests/support/page_table.hpp"
 #include "tests/unit/common/good_scene.hpp"
 
 namespace tandem::scene {
@@ -83,27 +80,11 @@ TEST(ElementColumns, OfASharedNameHaveTheirType) {
                                    "actuator:axle.energy"));
 }
 
-// The page has this table between two marks; TANDEM_WRITE_DOCS writes it.
-void expect_on_page(const std::string& list, const std::string& markdown) {
-  std::stringstream text;
-  text << std::ifstream(RESULTS_PAGE).rdbuf();
-  std::string page = text.str();
-  const std::string begin = "<!-- begin " + list + " -->\n", end = "<!-- end " + list + " -->";
-  const auto from = page.find(begin), to = page.find(end);
-  ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
-  const std::string table = "\n" + markdown + "\n";
-  if (std::getenv("TANDEM_WRITE_DOCS") != nullptr)
-    std::ofstream(RESULTS_PAGE) << page.replace(from + begin.size(), to - from - begin.size(), table);
-  else
-    EXPECT_EQ(page.substr(from + begin.size(), to - from - begin.size()), table)
-        << "run with TANDEM_WRITE_DOCS=1 to bring it up to date";
-}
-
 TEST(ElementColumns, ThePageHasTheChannels) {
-  expect_on_page("element channels", element_channels_as_markdown());
+  tandem::test::expect_on_page("docs/results.md", "element channels", element_channels_as_markdown());
 }
 TEST(SensorColumns, ThePageHasTheChannels) {
-  expect_on_page("sensor channels", sensor_channels_as_markdown());
+  tandem::test::expect_on_page("docs/results.md", "sensor channels", sensor_channels_as_markdown());
 }
 
 TEST(SensorColumns, OfAWallAreItsLoads) {

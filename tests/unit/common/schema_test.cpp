@@ -1,12 +1,10 @@
-// The schema itself: as the one source of truth it must be strict, described, and documented for users.
+// The schema itself: as the one source of truth it must be strict and described. The tests
+// docs.keys and docs.json compare it with the pages.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "common/scene/parameters.hpp"
-#include "common/scene/parse.hpp"
+#include "common/scene/schema.hpp"
 #include "common/scene/schema_check.hpp"
 #include "tests/unit/common/good_scene.hpp"
 
@@ -56,41 +54,6 @@ TEST(Schema, NoObjectTakesUnknownKeys) {
     if (path.ends_with("/solver_options")) return;  // of solvers that tandem does not know
     EXPECT_EQ(rule.value("additionalProperties", json(true)), json(false)) << path;
   });
-}
-
-std::string users_page() {
-  std::ifstream file(SCENE_FORMAT_PAGE);
-  std::ostringstream page;
-  page << file.rdbuf();
-  return page.str();
-}
-
-TEST(Schema, ScenesOfTheUsersPageAreValid) {
-  const std::string page = users_page(), fence = "```json\n";
-  int scenes = 0;
-  for (std::size_t begin = page.find(fence); begin != page.npos; begin = page.find(fence, begin + 1)) {
-    const std::size_t text = begin + fence.size();
-    std::string scene = page.substr(text, page.find("```", text) - text);
-    put_in_parameters(scene, {}, "page");
-    EXPECT_NO_THROW(validate(parse(scene, "page"), "page")) << scene;
-    ++scenes;
-  }
-  EXPECT_EQ(scenes, 5);
-}
-
-// Each key stands in the user's page as `key`.
-TEST(Schema, EveryKeyIsInTheUsersPage) {
-  const std::string page = users_page();
-  ASSERT_GT(page.size(), 1000u) << "docs/scene_format.md";
-  for_each_key(
-      json::parse(schema()), "", [&](const std::string& path, const std::string& key, const json& rule) {
-        EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << path << " " << key;
-        const auto words = rule.contains("enum")    ? rule["enum"]
-                           : rule.contains("const") ? json::array({rule["const"]})
-                                                    : json::array();
-        for (const auto& word : words)
-          EXPECT_NE(page.find("`" + word.get<std::string>() + "`"), std::string::npos) << path << " " << word;
-      });
 }
 
 // The search for the first fault and valijson agree: every value of the good scene is replaced in turn by

@@ -41,7 +41,7 @@ const WrongScene wrong_document[] = {
      "nanoseconds "
      "[s])"},
     {"WindowOfHalfANanosecond", R"([{"op": "replace", "path": "/coupling/window", "value": 1.5e-09}])",
-     "coupling.window: the window of 1.5e-09 s is no whole number of nanoseconds (give a multiple of 1e-9 "
+     "coupling.window: the window of 1.5e-09 s is not a whole number of nanoseconds (give a multiple of 1e-9 "
      "s)"},
     {"WindowBelowANanosecond", R"([{"op": "replace", "path": "/coupling/window", "value": 1e-12}])",
      "coupling.window: the value is 1e-12 (give a number from 1e-09 to 1e+09: macro step, a whole number of "
@@ -80,7 +80,7 @@ const WrongScene wrong_document[] = {
      "nanoseconds [s])"},
     {"AdaptiveLimitOfAHalfNanosecond",
      R"([{"op": "add", "path": "/coupling/adaptive", "value": {"min_window": 1.5e-9, "max_window": 1}}])",
-     "coupling.adaptive.min_window: the window of 1.5e-09 s is no whole number of nanoseconds (give a "
+     "coupling.adaptive.min_window: the window of 1.5e-09 s is not a whole number of nanoseconds (give a "
      "multiple of 1e-9 s)"},
     {"FirstWindowOutsideItsLimits",
      R"([{"op": "add", "path": "/coupling/adaptive", "value": {"min_window": 1e-5, "max_window": 1e-4}}])",
@@ -206,12 +206,13 @@ const WrongScene wrong_document[] = {
     {"CheckRelativeToZero", R"([{"op": "replace", "path": "/checks/0/expected", "value": 0}])",
      "checks[0].tolerance: the tolerance is relative to an expected value of 0 (add \"absolute\": true)"},
     {"CheckWithNegativeTolerance", R"([{"op": "replace", "path": "/checks/0/tolerance", "value": -0.1}])",
-     "checks[0].tolerance: the value is -0.1 (give a number >= 0: allowed deviation, relative to expected "
-     "unless absolute [-])"},
+     "checks[0].tolerance: the value is -0.1 (give a number >= 0: allowed deviation as a share of the "
+     "expected value [-])"},
     {"TwoChecksOfOneName", R"([{"op": "replace", "path": "/checks/1/name", "value": "weight"}])",
      "checks[1].name: the name 'weight' is given twice (names in checks must differ)"},
     {"AbsoluteAsText", R"([{"op": "replace", "path": "/checks/1/absolute", "value": "yes"}])",
-     "checks[1].absolute: the value is \"yes\" (give a boolean: the tolerance has the unit of the signal)"},
+     "checks[1].absolute: the value is \"yes\" (give a boolean: true: the tolerance has the unit of the "
+     "signal)"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Document, WrongSceneTest, testing::ValuesIn(wrong_document), name_of_case);

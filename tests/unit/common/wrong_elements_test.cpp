@@ -164,7 +164,7 @@ const WrongScene elements[] = {
      ELEMENT(
          R"({"name": "c", "type": "cylinder", "body_b": "crate", "point_a": [0, 0, 3], "point_b": [0, 0, 1.5], "control": "valve", "target": {"type": "constant", "value": 1}, "limits": {"lower": -0.2, "upper": 0.4, "stiffness": 1e9}, "hydraulics": {"bore_area": 2e-3, "dead_volume": 1e-4, "supply_pressure": 15e6, "valve_flow": 1e-3, "bulk_modulus": 0}})"),
      "mbd.forces[0].hydraulics.bulk_modulus: the value is 0 (give a number from 1 to 1e+18: of the "
-     "oil [Pa])"},
+     "oil, with the air in it [Pa])"},
     {"BrakeWithoutSlip",
      ELEMENT(
          R"({"name": "m", "type": "motor", "joint": "spin", "control": "speed", "gains": {"proportional": 1}, "brake": {"torque": 1}, "target": {"type": "constant", "value": 1}})"),

@@ -101,8 +101,8 @@ const WrongScene wrong_fills[] = {
          {"op": "add", "path": "/dem/settle", "value": {"kinetic_energy": 1e-6}}])",
      "dem.settle: the scene has no gravity, without which no bed forms (leave out settle, or give gravity)"},
     {"SettleWithoutAnEnergy", R"([{"op": "add", "path": "/dem/settle", "value": {"at_most": 2}}])",
-     "dem.settle: the key 'kinetic_energy' is missing (add kinetic_energy: mean of the spheres below which "
-     "the bed is at rest [J])"},
+     "dem.settle: the key 'kinetic_energy' is missing (add kinetic_energy: the bed is at rest when the mean "
+     "kinetic energy of its spheres is below this [J])"},
     {"SettleOfAnInlet",
      R"([{"op": "replace", "path": "/dem/particles/0/fill", "value":
           {"type": "inlet", "min": [0, 0, 0], "max": [0.5, 0.5, 0.5], "rate": 10}},

@@ -337,9 +337,8 @@ const WrongScene forces[] = {
     {"UnknownFormulation", PUT("integrator/formulation", R"("index1")"),
      "mbd.integrator.formulation: the value is \"index1\" (did you mean 'index2'?)"},
     {"ErrorToleranceZero", PUT("integrator/error_tolerance", "0"),
-     "mbd.integrator.error_tolerance: the value is 0 (give a number from 1e-18 to 1: local error per step, "
-     "relative to 1 rad and "
-     "the size of the system; without it the step is fixed, or with dormand_prince 1e-6 [-])"},
+     "mbd.integrator.error_tolerance: the value is 0 (give a number from 1e-18 to 1: local error per step "
+     "of the position, and of the velocity times step, relative to 1 rad and the size of the system [-])"},
     {"UnknownMethod", PUT("integrator/method", R"("dormand_price")"),
      "mbd.integrator.method: the value is \"dormand_price\" (did you mean 'dormand_prince'?)"},
     {"SettingOfTheOtherMethod", PUT("integrator", R"({"method": "dormand_prince", "rho_inf": 0.5})"),

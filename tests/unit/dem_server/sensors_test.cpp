@@ -18,22 +18,14 @@ namespace {
 
 using nlohmann::json;
 
-enum Column {
-  count,
-  mass,
-  volume,
-  solid_fraction,
-  moment_x,
-  moment_y,
-  moment_z,
-  momentum_x,
-  momentum_y,
-  momentum_z,
-  energy,
-  flow,
-  passed,
-  columns
+// Places of the values of a region, whose channels are the first ones.
+namespace column {
+enum : std::size_t {
+#define SENSOR_CHANNEL(identifier, ...) identifier,
+#include "common/scene/sensor_channels.def"
+#undef SENSOR_CHANNEL
 };
+}  // namespace column
 
 constexpr double ball_volume = 4.0 / 3 * std::numbers::pi * 1e-6, ball_mass = 2500 * ball_volume;
 
@@ -90,20 +82,20 @@ TEST(Sensors, SumAllSpheresInTheRegion) {
   Flight run(flying(v, sensors));
   run.advance(1);
   const double n = 320;
-  ASSERT_EQ(run.sensed.size(), 3 * 11u);
-  EXPECT_EQ(run.sensed[count], n);
-  EXPECT_NEAR(run.sensed[mass], n * ball_mass, 1e-7 * n * ball_mass);
-  EXPECT_NEAR(run.sensed[volume], n * ball_volume, 1e-7 * n * ball_volume);
-  EXPECT_NEAR(run.sensed[solid_fraction], n * ball_volume / 64, 1e-11);
+  ASSERT_EQ(run.sensed.size(), std::size_t{3 * column::flow});
+  EXPECT_EQ(run.sensed[column::count], n);
+  EXPECT_NEAR(run.sensed[column::mass], n * ball_mass, 1e-7 * n * ball_mass);
+  EXPECT_NEAR(run.sensed[column::volume], n * ball_volume, 1e-7 * n * ball_volume);
+  EXPECT_NEAR(run.sensed[column::solid_fraction], n * ball_volume / 64, 1e-11);
   for (int a = 0; a < 3; ++a)
-    EXPECT_NEAR(run.sensed[static_cast<std::size_t>(momentum_x + a)], n * ball_mass * v[a], 1e-7);
-  EXPECT_NEAR(run.sensed[energy], 0.5 * n * ball_mass * norm2(v), 1e-7);
+    EXPECT_NEAR(run.sensed[column::momentum_x + static_cast<std::size_t>(a)], n * ball_mass * v[a], 1e-7);
+  EXPECT_NEAR(run.sensed[column::kinetic_energy], 0.5 * n * ball_mass * norm2(v), 1e-7);
   // The middle of the lattice, after one window of flight.
   const Vec3d middle = Vec3d{0.2475, 0.0475, 0.0475} + 1e-3 * v;
   for (int a = 0; a < 3; ++a)
-    EXPECT_NEAR(run.sensed[static_cast<std::size_t>(moment_x + a)], n * ball_mass * middle[a], 1e-6);
-  EXPECT_EQ(run.sensed[11 + count], 160);
-  for (std::size_t c = 0; c < 11; ++c) EXPECT_EQ(run.sensed[22 + c], 0);
+    EXPECT_NEAR(run.sensed[column::moment_x + static_cast<std::size_t>(a)], n * ball_mass * middle[a], 1e-6);
+  EXPECT_EQ(run.sensed[column::flow + column::count], 160);
+  for (std::size_t c = 0; c < column::flow; ++c) EXPECT_EQ(run.sensed[2 * column::flow + c], 0);
 }
 
 // Whatever the orientation of the region, and of the flight through it.
@@ -126,11 +118,11 @@ TEST(Sensors, CountTheMassThatPasses) {
       Flight run(flying(v, json::array({sensor})));
       run.advance(300);  // 0.9 m
       const double expected = 320 * ball_mass;
-      std::printf("  %-11.3g  %-13.6g  %-13.6g  %.3g\n", angle, expected, run.sensed[passed],
+      std::printf("  %-11.3g  %-13.6g  %-13.6g  %.3g\n", angle, expected, run.sensed[column::passed],
                   0.01 * expected);
-      EXPECT_NEAR(run.sensed[passed], expected, 0.01 * expected);
-      EXPECT_EQ(run.sensed[count], 0);
-      EXPECT_EQ(run.sensed[flow], 0);
+      EXPECT_NEAR(run.sensed[column::passed], expected, 0.01 * expected);
+      EXPECT_EQ(run.sensed[column::count], 0);
+      EXPECT_EQ(run.sensed[column::flow], 0);
     }
 }
 
@@ -144,15 +136,15 @@ TEST(Sensors, MoveWithTheirBody) {
   Flight with(flying(v, json::array({sensor}), json::object(), v));
   with.tool_velocity = v;
   with.advance(200);
-  EXPECT_EQ(with.sensed[count], 320);
-  EXPECT_NEAR(with.sensed[flow], 0, 1e-9);
-  EXPECT_NEAR(with.sensed[passed], 0, 1e-9);
+  EXPECT_EQ(with.sensed[column::count], 320);
+  EXPECT_NEAR(with.sensed[column::flow], 0, 1e-9);
+  EXPECT_NEAR(with.sensed[column::passed], 0, 1e-9);
 
   Flight without(flying({0, 0, 0}, json::array({sensor}), json::object(), {-2, 0, 0}));
   without.tool_velocity = {-2, 0, 0};
   without.advance(50);
   // Spheres at rest move forwards through a region that moves backwards.
-  EXPECT_NEAR(without.sensed[flow], without.sensed[mass] * 2 / 1.2, 1e-9);
+  EXPECT_NEAR(without.sensed[column::flow], without.sensed[column::mass] * 2 / 1.2, 1e-9);
 }
 
 TEST(Sensors, HaveTheSameBitsWithThreadsAndAfterEachWayBack) {
@@ -173,7 +165,7 @@ TEST(Sensors, HaveTheSameBitsWithThreadsAndAfterEachWayBack) {
     for (Flight* run : {&straight, &threaded, &back, &resumed}) prepare(*run);
     straight.advance(120);
     threaded.advance(120);
-    EXPECT_GT(std::abs(straight.sensed[passed]), 0.01);
+    EXPECT_GT(std::abs(straight.sensed[column::passed]), 0.01);
     EXPECT_EQ(threaded.sensed, straight.sensed);
     back.advance(60);
     back.solver->save();
@@ -220,8 +212,8 @@ TEST(Sensors, AreMeasuredAtTheStart) {
   c.origin = "start.json";
   c.backend = "cpu";
   const auto configured = dem::make_solver()->configure(c);
-  ASSERT_EQ(configured.sensors.size(), 11u);
-  EXPECT_EQ(configured.sensors[count], 320);
+  ASSERT_EQ(configured.sensors.size(), std::size_t{column::flow});
+  EXPECT_EQ(configured.sensors[column::count], 320);
 }
 
 // Spheres fall on a floor and a step of the ground, and on the blade of a tool: each wall has its part of the

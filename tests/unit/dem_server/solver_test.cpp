@@ -192,19 +192,19 @@ TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
   spheres.position = spheres.velocity = spheres.spin = {{}, {}};
   spheres.id = {0, 1};
   dem::LimitWatch watch(*scene.dem, spheres);
-  dem::LimitWatch::Seen seen;
+  dem::LimitWatch::Record record;
   dem::WindowPlan plan;
   plan.dt = 1e-5;
   plan.body_speed = 490;
-  EXPECT_THAT(watch.observe({}, plan, 0.1, seen), testing::IsEmpty());
+  EXPECT_THAT(watch.observe({}, plan, 0.1, record), testing::IsEmpty());
   // Collisions last long enough, but a wall moves 6 m in a step.
   plan.body_speed = 6e5;
-  EXPECT_THAT(watch.observe({}, plan, 0.2, seen),
+  EXPECT_THAT(watch.observe({}, plan, 0.2, record),
               testing::ElementsAre(AllOf(HasSubstr("walls of up to 6e+05 m/s"), HasSubstr("nearer by 6 m"),
                                          HasSubstr("use dem.micro_step = 4.17e-09"))));
-  EXPECT_THAT(watch.observe({}, plan, 0.3, seen), testing::IsEmpty()) << "reported once";
-  EXPECT_EQ(seen.beyond_step, 2u);
-  EXPECT_THAT(watch.warnings(seen),
+  EXPECT_THAT(watch.observe({}, plan, 0.3, record), testing::IsEmpty()) << "reported once";
+  EXPECT_EQ(record.beyond_step, 2u);
+  EXPECT_THAT(watch.warnings(record),
               testing::ElementsAre(
                   AllOf(HasSubstr("in 2 of 3 windows"), HasSubstr("so that they pass each other unseen"))));
 }

@@ -4,13 +4,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
-#include "common/scene/summary_keys.hpp"
+#include "tests/support/page_table.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -60,24 +57,6 @@ TEST(Summary, StateHashDependsOnBothSolvers) {
   EXPECT_NE(first, hash(R"({"mbd_state_hash": "a"})", R"({"dem_state_hash": "c"})"));
 }
 
-// Checks of a scene may name every number of a solver upon which the coordinator acts.
-TEST(Summary, ChecksKnowTheNumbersOfTheSolvers) {
-  scene::Scene scene;
-  scene.mbd.emplace().forces.emplace_back(scene::Tyre{});
-  scene.dem.emplace().outlets.emplace_back();
-  scene.sph.emplace().outlets.emplace_back();
-  scene.contact.emplace();
-  const std::vector<std::string> keys = scene::summary_keys(scene);
-  for (const Role role : protocol::all_roles)
-    for (std::string key : protocol::numeric_facts(role)) {
-      if (role == Role::sph)
-        key = "sph." + key;
-      else if (key == "solver_seconds")
-        key = (role == Role::mbd ? "mbd_" : "dem_") + key;
-      EXPECT_TRUE(std::ranges::count(keys, key) == 1) << key;
-    }
-}
-
 TEST(Summary, FactsThatAreNoObjectAreTheSendersFault) {
   Summary summary = empty();
   try {
@@ -104,19 +83,7 @@ TEST(Summary, AFactReplacesNoKeyOfTheCoordinator) {
 }
 
 TEST(Summary, ThePageHasTheKeysOfTheCoordinator) {
-  const std::string path = TANDEM_SOURCE_DIR "/docs/results.md";
-  std::stringstream text;
-  text << std::ifstream(path).rdbuf();
-  std::string page = text.str();
-  const std::string begin = "<!-- begin coordinator keys -->\n", end = "<!-- end coordinator keys -->";
-  const auto from = page.find(begin), to = page.find(end);
-  ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
-  const std::string table = "\n" + coordinator_keys_as_markdown() + "\n";
-  if (std::getenv("TANDEM_WRITE_DOCS") != nullptr)
-    std::ofstream(path) << page.replace(from + begin.size(), to - from - begin.size(), table);
-  else
-    EXPECT_EQ(page.substr(from + begin.size(), to - from - begin.size()), table)
-        << "run with TANDEM_WRITE_DOCS=1 to bring " << path << " up to date";
+  tandem::test::expect_on_page("docs/results.md", "coordinator keys", coordinator_keys_as_markdown());
 }
 
 TEST(Summary, AProgramThatCallsItselfAsOursIsToldByItsCommand) {

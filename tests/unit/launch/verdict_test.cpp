@@ -6,11 +6,10 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "launch/verdict/status.hpp"
+#include "tests/support/page_table.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -426,9 +425,7 @@ TEST(Verdict, TheLongestMicroStepAndTheShortestCriticalTimeCount) {
 }
 
 TEST(Verdict, TheDocumentationHasTheSameTable) {
-  std::ostringstream text;
-  text << std::ifstream(TANDEM_SOURCE_DIR "/docs/verdict.md").rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr(rules_as_markdown()));
+  tandem::test::expect_on_page("docs/verdict.md", "rules", rules_as_markdown());
 }
 
 TEST(Status, OfAProcessThatIsGoneIsDied) {

@@ -420,9 +420,9 @@ scene::Scene driven() {
   scene::Scene scene = machines::menagerie();
   const BodyId arm{1}, tip{3}, loose{5}, drum{7};
   const scene::Gains gains{30, 8, 2, .05, {}};
-  scene::Motor motor{
-      "speed", JointId{1}, scene::MotorControl::speed, scene::ConstantMotion{2, 0}, "", gains, {}, {}, 3,
-      .01,     {}};
+  scene::Motor motor;
+  motor.name = "speed", motor.joint = JointId{1}, motor.target = scene::ConstantMotion{2, 0};
+  motor.gains = gains, motor.gear_ratio = 3, motor.rotor_inertia = .01;
   motor.brake = scene::Brake{4, .5, {}, scene::ConstantMotion{.7, 0}, ""};
   scene.mbd->forces.push_back(motor);
   motor.name = "position", motor.joint = JointId{3}, motor.control = scene::MotorControl::position;
@@ -432,40 +432,25 @@ scene::Scene driven() {
   motor.name = "limited", motor.joint = JointId{5}, motor.control = scene::MotorControl::speed;
   motor.gains = {1e3, 1e2, 0, 0, {}};
   scene.mbd->forces.push_back(motor);
-  scene::Cylinder stroke{"stroke",
-                         arm,
-                         loose,
-                         {.5, .1, .2},
-                         {-.4, .2, .8},
-                         scene::CylinderControl::stroke,
-                         scene::ConstantMotion{.2, .1},
-                         "",
-                         gains,
-                         1e3,
-                         {},
-                         2,
-                         scene::Friction{3, .2},
-                         scene::Limits{-.01, .01, 200, .3}};
+  scene::Cylinder stroke;
+  stroke.name = "stroke", stroke.body_a = arm, stroke.body_b = loose;
+  stroke.point_a = {.5, .1, .2}, stroke.point_b = {-.4, .2, .8};
+  stroke.control = scene::CylinderControl::stroke, stroke.target = scene::ConstantMotion{.2, .1};
+  stroke.gains = gains, stroke.max_force = 1e3, stroke.damping = 2;
+  stroke.friction = scene::Friction{3, .2}, stroke.limits = scene::Limits{-.01, .01, 200, .3};
   scene.mbd->forces.push_back(stroke);
   stroke.name = "grounded", stroke.body_a = ground, stroke.body_b = tip, stroke.max_force.reset();
   stroke.point_a = {1, 1, 1}, stroke.point_b = {1.35, .3, .6};
   scene.mbd->forces.push_back(stroke);
-  scene::Cylinder oil{"oil",
-                      drum,
-                      tip,
-                      {-.2, -.5, .4},
-                      {1.35, .3, .6},
-                      scene::CylinderControl::valve,
-                      scene::ConstantMotion{.4, 0},
-                      "",
-                      {},
-                      {},
-                      scene::HydraulicData{},
-                      1,
-                      {},
-                      scene::Limits{-3, 3, 1e3, 0}};
-  oil.hydraulics =
-      scene::HydraulicData{2e-3, 5e-4, 1e-3, 2e5, 3e4, 0, {}, 2e-3, 1e4, 2e3, 1e-8, 1e4, 5e3, -1e5};
+  scene::Cylinder oil;
+  oil.name = "oil", oil.body_a = drum, oil.body_b = tip;
+  oil.point_a = {-.2, -.5, .4}, oil.point_b = {1.35, .3, .6};
+  oil.control = scene::CylinderControl::valve, oil.target = scene::ConstantMotion{.4, 0};
+  oil.damping = 1, oil.limits = scene::Limits{-3, 3, 1e3, 0};
+  scene::HydraulicData& data = oil.hydraulics.emplace();
+  data.bore_area = 2e-3, data.rod_area = 5e-4, data.dead_volume = 1e-3, data.bulk_modulus = 2e5;
+  data.supply_pressure = 3e4, data.valve_flow = 2e-3, data.valve_drop = 1e4, data.laminar_drop = 2e3;
+  data.leakage = 1e-8, data.pressure_a = 1e4, data.pressure_b = 5e3, data.cavitation_pressure = -1e5;
   scene.mbd->forces.push_back(oil);
   oil.name = "reversed", oil.target = scene::ConstantMotion{-.6, 0};
   oil.body_a = arm, oil.body_b = loose, oil.point_a = {.6, .1, .2}, oil.point_b = {-.5, .2, .9};

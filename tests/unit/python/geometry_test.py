@@ -127,7 +127,7 @@ class Meshes(unittest.TestCase):
         a = s.parameter("a", 1.)
         b = s.body("b", box=(1, 2, 3), density=1)
         field = s.body("field", shape={"type": "height_field", "size": [1, 1], "heights": [[0, 1], [0, 1]], "base": -1}, density=1)
-        for call, wanted in ((lambda: b.scale(x=0), "x of b.scale.. is 0"), (lambda: b.scale(math.nan), "factor of .* is nan, which is no finite number"),
+        for call, wanted in ((lambda: b.scale(x=0), "x of b.scale.. is 0"), (lambda: b.scale(math.nan), "factor of .* is nan, which is not a finite number"),
                              (lambda: b.scale(z=math.inf), "z of .* is inf"), (lambda: b.scale(x="=a"), 'is the formula .=a.*stretch": ."=a"'),
                              (lambda: b.scale(x=a), "is the formula .=a"), (lambda: b.scale(x="2"), "x of b.scale.. is '2', which is no number"),
                              (lambda: b.scale(2, about=(0, math.nan, 0)), r"about.1. of b.scale.. is nan"),

@@ -162,8 +162,8 @@ class Refusals(unittest.TestCase):
     def test_words_of_python(self):
         """Before anything runs, and as errors that say what to write."""
         for keys, wanted in (({"starts": 0}, "--starts: 0 is no number of random starts"), ({"modulus": 8}, r"--modulus: 8 is no list .*modulus=\[8\]"),
-                             ({"step": [math.nan]}, "--step: nan is no finite number"), ({"modulus": [math.inf]}, "--modulus: inf is no finite"),
-                             ({"overlap": math.nan}, "--overlap: nan is no overlap"), ({"window": ["a"]}, "--window: 'a' is no finite number"),
+                             ({"step": [math.nan]}, "--step: nan is not a finite number"), ({"modulus": [math.inf]}, "--modulus: inf is not a finite"),
+                             ({"overlap": math.nan}, "--overlap: nan is no overlap"), ({"window": ["a"]}, "--window: 'a' is not a finite number"),
                              ({"of": ["floor.force:mean:.5:.9"]}, "outside the run, which ends at 0.4 s"), ({"of": ["f:mean:0:9"]}, "outside the run"),
                              ({"of": ["floor.force:mean:.3:.2"]}, "before the other one"), ({"of": ["floor.force:meen"]}, "did you mean 'mean'"),
                              ({"of": ["floor.force:mean:nan"]}, "a time that is no number"), ({"limit": math.nan}, "nan is no wall time"), ({"limit": 0}, "0 is no wall time"), ({"of": [7]}, "7 is no name of a result")):
@@ -188,7 +188,7 @@ class Refusals(unittest.TestCase):
             numbers("a,b", "--step")
         with self.assertRaisesRegex(td.SceneError, "--modulus: '1_0' is no list of numbers"):
             numbers("1_0", "--modulus")
-        with self.assertRaisesRegex(td.SceneError, "--modulus: 'nan' is no finite number"):
+        with self.assertRaisesRegex(td.SceneError, "--modulus: 'nan' is not a finite number"):
             numbers("2,nan", "--modulus")
         s = bed()
         s.parameter("mouth", .1)
@@ -196,8 +196,8 @@ class Refusals(unittest.TestCase):
         self.assertEqual(scene_of(str(self.folder / "s.json"), ["mouth=.2"]).data["parameters"]["mouth"]["value"], .2)
         with self.assertRaisesRegex(td.SceneError, "no parameter 'muoth'; did you mean 'mouth'"):
             scene_of(str(self.folder / "s.json"), ["muoth=.2"])
-        for word, wanted in (("wide", "'mouth=wide' gives no value"), ("1_0", "'mouth=1_0' gives no value"), ("nan", "'nan' is no finite number"),
-                             ("1e400", "'1e400' is no finite number")):
+        for word, wanted in (("wide", "'mouth=wide' gives no value"), ("1_0", "'mouth=1_0' gives no value"), ("nan", "'nan' is not a finite number"),
+                             ("1e400", "'1e400' is not a finite number")):
             with self.assertRaisesRegex(td.SceneError, wanted):
                 scene_of(str(self.folder / "s.json"), [f"mouth={word}"])
 

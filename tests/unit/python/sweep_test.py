@@ -166,7 +166,7 @@ class Sweeps(Case):
         for limit in (float("nan"), float("inf"), -1):
             with self.assertRaisesRegex(td.SceneError, f"limit: {limit} is no wall time of a run"):
                 self.sweep(x=[1], limit=limit)
-        with self.assertRaisesRegex(td.SceneError, "nan is no finite number"):
+        with self.assertRaisesRegex(td.SceneError, "nan is not a finite number"):
             self.sweep(x=[1, float("nan")])
         (self.folder / "other").mkdir()
         (self.folder / "other" / "file").touch()
@@ -182,7 +182,7 @@ class Words(Case):
             with self.assertRaisesRegex(td.SceneError, "gives no parameter values"):
                 values_of(text)
         for text, word in (("mouth=nan", "nan"), ("mouth=1,inf", "inf"), ("mouth=0:-inf:3", "-inf"), ("mouth=1e400", "1e400")):
-            with self.assertRaisesRegex(td.SceneError, f"--set: '{word}' is no finite number"):
+            with self.assertRaisesRegex(td.SceneError, f"--set: '{word}' is not a finite number"):
                 values_of(text)
 
     def test_command(self):

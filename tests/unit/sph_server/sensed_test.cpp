@@ -52,31 +52,32 @@ TEST_P(Sensed, SumsOfARegionAreThoseOfItsParticles) {
   const Stirred stirred(GetParam());
   const double mass = stirred.setup.liquid.mass(), density = stirred.setup.liquid.density;
   for (const bool round : {false, true}) {
-    LiquidRegion region;
-    region.centre = {0.05, -0.03, -0.3};
+    particles::MeasuredRegion region;
+    region.p = {0.05, -0.03, -0.3};
     const double c = std::cos(0.4), s = std::sin(0.4);
-    region.axes.row[0] = {c, -s, 0};
-    region.axes.row[1] = {s, c, 0};
-    region.axes.row[2] = {0, 0, 1};
+    region.R.row[0] = {c, -s, 0};
+    region.R.row[1] = {s, c, 0};
+    region.R.row[2] = {0, 0, 1};
     region.half = round ? Vec3d{0.25, 0.25, 0.2} : Vec3d{0.3, 0.2, 0.25};
     region.round = round;
-    region.along = {0.6, 0, 0.8};
+    region.flow = {0.6, 0, 0.8};
     region.body = {{0.1, 0.2, 0.3}, Mat3d::identity(), {1, 2, 3}, {0.5, 0, -1}};
-    RegionSums expected;
+    particles::RegionSums expected;
     for (std::size_t i = 0; i < stirred.state.size(); ++i) {
-      const Vec3d x = stirred.state.position[i], v = stirred.state.velocity[i], d = x - region.centre;
+      const Vec3d x = stirred.state.position[i], v = stirred.state.velocity[i], d = x - region.p;
       const double along_x = c * d.x + s * d.y, along_y = c * d.y - s * d.x;
-      if (std::fabs(d.z) > region.half.z) continue;
-      if (round ? std::hypot(along_x, along_y) > 0.25 : std::fabs(along_x) > 0.3 || std::fabs(along_y) > 0.2)
+      if (d.z < -region.half.z || d.z >= region.half.z) continue;
+      if (round ? std::hypot(along_x, along_y) >= 0.25 : std::fabs(along_x) > 0.3 || std::fabs(along_y) > 0.2)
         continue;
       ++expected.count;
       expected.volume += mass / density / (1 + stirred.state.compression[i]);
       expected.moment += mass * x;
       expected.momentum += mass * v;
-      expected.kinetic += 0.5 * mass * norm2(v);
-      expected.along += mass * dot(region.along, v - region.body.v - cross(region.body.w, x - region.body.p));
+      expected.kinetic_energy += 0.5 * mass * norm2(v);
+      expected.flow_momentum +=
+          mass * dot(region.flow, v - region.body.v - cross(region.body.w, x - region.body.p));
     }
-    const RegionSums sums = stirred.engine->sums_in(region);
+    const particles::RegionSums sums = stirred.engine->sums_in(region);
     ASSERT_GT(expected.count, 50u);
     EXPECT_EQ(sums.count, expected.count);
     const double n = static_cast<double>(sums.count) * mass;
@@ -84,8 +85,9 @@ TEST_P(Sensed, SumsOfARegionAreThoseOfItsParticles) {
     expect_sum("volume [m3]", expected.volume, sums.volume, 1e-12 * expected.volume);
     expect_sum("moment, difference [kg m]", 0, norm(sums.moment - expected.moment), 1e-12 * n);
     expect_sum("momentum, difference [kg m/s]", 0, norm(sums.momentum - expected.momentum), 1e-12 * n);
-    expect_sum("kinetic energy [J]", expected.kinetic, sums.kinetic, 1e-12 * expected.kinetic);
-    expect_sum("momentum along the flow [kg m/s]", expected.along, sums.along, 1e-11 * n);
+    expect_sum("kinetic energy [J]", expected.kinetic_energy, sums.kinetic_energy,
+               1e-12 * expected.kinetic_energy);
+    expect_sum("momentum along the flow [kg m/s]", expected.flow_momentum, sums.flow_momentum, 1e-11 * n);
   }
 }
 

@@ -24,7 +24,8 @@ scene::Coupling adaptive(scene::Scheme scheme, double energy, double path) {
   scene::Coupling how;
   how.scheme = scheme;
   how.window = 0.01;
-  how.adaptive = {.energy_tolerance = energy, .path_tolerance = path, .min_window = 1e-4, .max_window = 0.05};
+  how.adaptive = scene::Adaptive{
+      {.energy_tolerance = energy, .max_window = 0.05, .min_window = 1e-4, .path_tolerance = path}};
   return how;
 }
 

@@ -34,7 +34,7 @@ scene::Coupling implicit(Acceleration method, double relaxation = 0.1) {
   scene::Coupling how;
   how.scheme = Scheme::implicit;
   how.window = H;
-  how.iteration = {.method = method, .relaxation = relaxation, .tolerance = 1e-6, .length = 1e-9};
+  how.iteration = scene::Iteration{{.length = 1e-9, .relaxation = relaxation, .tolerance = 1e-6}, method};
   return how;
 }
 

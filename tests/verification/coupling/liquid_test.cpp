@@ -22,7 +22,7 @@ scene::Coupling coupling(Scheme scheme) {
   scene::Coupling how;
   how.scheme = scheme;
   how.window = 1e6;  // the length of each window is given where it is advanced
-  how.iteration = {.tolerance = 1e-10, .length = 1e-13};
+  how.iteration = scene::Iteration{{.length = 1e-13, .tolerance = 1e-10}};
   return how;
 }
 

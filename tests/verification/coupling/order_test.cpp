@@ -75,7 +75,7 @@ TEST_P(Order, InTheWindow) {
   how.path = c.path;
   how.window = 1e6;
   if (c.scheme == Scheme::implicit)
-    how.iteration = {.tolerance = 1e-12, .length = 1e-15, .max_iterations = 100};
+    how.iteration = scene::Iteration{{.length = 1e-15, .max_iterations = 100, .tolerance = 1e-12}};
   const int first = c.windows;
   Result coarse = run(how, c.dk, first);
   for (const int windows : {2 * first}) {

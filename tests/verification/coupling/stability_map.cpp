@@ -42,7 +42,7 @@ double growth(const Line& line, double ratio, double omega_H) {
   how.path = line.path;
   how.window = 1e6;
   if (line.scheme == Scheme::implicit)
-    how.iteration = {.tolerance = 1e-9, .length = 1e-12, .max_iterations = 100};
+    how.iteration = scene::Iteration{{.length = 1e-12, .max_iterations = 100, .tolerance = 1e-9}};
   test::OscillatorBedParameters bed{ratio, 1, 2 * zeta, 1, 2 * zeta};
   if (ratio == 0) bed.stiffness = bed.damping = 0;
   test::CoupledOscillator pair({}, bed, how);

@@ -135,7 +135,7 @@ TEST(StabilityOfTheOthers, AgreesWithTheWindowMap) {
         Other{"implicit, linear load", Scheme::implicit, LoadShape::linear, PathShape::linear}})
     for (const double zeta : zetas) {
       scene::Coupling how = coupling(o.scheme, o.load, o.path);
-      how.iteration = {.tolerance = 1e-12, .length = 1e-14, .max_iterations = 100};
+      how.iteration = scene::Iteration{{.length = 1e-14, .max_iterations = 100, .tolerance = 1e-12}};
       if (o.scheme != Scheme::implicit) how.iteration.reset();
       CoupledOscillator oscillator({}, wall(zeta), how);
       const double formula = launch::critical_omega_H(how, zeta);
@@ -162,7 +162,7 @@ TEST(StabilityOnASupport, AgreesWithTheWindowMap) {
         scene::Coupling how = coupling(
             scheme, load, linear && scheme == Scheme::dem_first ? PathShape::quadratic : PathShape::linear);
         if (scheme == Scheme::implicit)
-          how.iteration = {.tolerance = 1e-12, .length = 1e-14, .max_iterations = 100};
+          how.iteration = scene::Iteration{{.length = 1e-14, .max_iterations = 100, .tolerance = 1e-12}};
         const double zeta = 0.1;
         const launch::Support support{frequency * frequency, 2 * 0.05 * frequency};
         CoupledOscillator oscillator({1, support.stiffness, support.damping}, wall(zeta), how);

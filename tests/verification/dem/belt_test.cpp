@@ -61,7 +61,7 @@ Seen run_belt(const BeltRun& belt, double end) {
     s.velocity = {{0, 0, 0}};
   });
   dem::Belts belts(run.scene, run.surface);
-  std::vector<dem::Belts::Seen> seen = belts.nothing_seen();
+  std::vector<dem::Belts::Record> records = belts.no_records();
   Seen result;
   double last = 0;
   for (double time = 0; time < end; time += at_once * dt) {
@@ -72,7 +72,7 @@ Seen run_belt(const BeltRun& belt, double end) {
     }
     dem::WindowPlan plan{at_once, dt, paths, 0, 0};
     plan.belt_velocity = belts.velocities(time, at_once, dt);
-    belts.record(run.engine->advance(plan), plan, seen);
+    belts.record(run.engine->advance(plan), plan, records);
     const particles::Spheres now = run.state();
     result.velocity = now.velocity.at(0), result.spin = now.spin.at(0);
     const double speed = dot(result.velocity, belt.along), gained = mu * g * at_once * dt;
@@ -81,7 +81,7 @@ Seen run_belt(const BeltRun& belt, double end) {
       result.slipped = time + (speed - last) / (mu * g);
     last = speed;
   }
-  result.work = seen.at(0).work;
+  result.work = records.at(0).work;
   return result;
 }
 

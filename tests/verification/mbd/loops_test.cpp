@@ -138,7 +138,7 @@ TEST(Ladder, KeepsItsEnergyThroughSingularPositions) {
   std::printf("B0 after 10 s is off by %.2e m\n", ladder_errors(run, Ladder(2, 10))[0]);
 }
 
-// Launched by hand, `launch/scenes/mbd/make.py --windows 1000` gives the longer scene: docs/mbd.md.
+// Launched by hand, `launch/scenes/mbd/make.py --windows 1000` gives the longer scene.
 TEST(Ladder, OfManyWindowsFollowsTheSameClosedForm) {
   for (const auto& [windows, steps] : {std::pair{40, 1000}, std::pair{1000, 20}}) {
     machines::Run run(machines::ladder(windows), 1e-3, 0.9, {1e-10, 30});
