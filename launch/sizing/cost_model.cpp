@@ -22,6 +22,27 @@ constexpr double slope(const MeasuredRun& small, const MeasuredRun& large) {
   return (large.us_per_micro_step - small.us_per_micro_step) / (large.spheres - small.spheres);
 }
 
+double added(const MeasuredPair& pair) {
+  return pair.two_us - pair.one_us;
+}
+
+// What is added to a step and to a rebuild, from the three pairs: both are of a million spheres in the first
+// two, whose lists last for other times.
+void add_ranks_of_gpus(RankKind& kind, Flow flow) {
+  const double of_rebuild = (added(flowing_pair) - added(settled_pair)) /
+                            (1 / flowing_pair.steps_of_list - 1 / settled_pair.steps_of_list),
+               of_step = added(settled_pair) - of_rebuild / settled_pair.steps_of_list,
+               bytes = 48 * tower_of_cubes(settled_pair.spheres, 2).layer;
+  kind.exchange_us = of_step - message_time(between_gpus, bytes) - flag_between_gpus;
+  const double large_bytes = 48 * tower_of_cubes(large_pair.spheres, 2).layer,
+               of_large = (added(large_pair) - kind.exchange_us - message_time(between_gpus, large_bytes) -
+                           flag_between_gpus) *
+                          large_pair.steps_of_list;
+  kind.rebuild_us_per_sphere = (of_large - of_rebuild) / (large_pair.spheres - settled_pair.spheres);
+  kind.rebuild_us = of_rebuild - kind.rebuild_us_per_sphere * settled_pair.spheres;
+  kind.steps_of_list = (flow == Flow::settled ? settled_pair : flowing_pair).steps_of_list;
+}
+
 }  // namespace
 
 double message_time(std::span<const MeasuredMessage> measured, double bytes) {
@@ -48,6 +69,8 @@ RankCost cost_of(const Bed& bed, const RankKind& kind, unsigned ranks) {
   if (!kind.gpu) cost.work_us += kind.us_per_sphere * 0.25 * cost.ghosts;
   cost.halo_us = message_time(kind.messages, cost.ghosts * bed.bytes_per_ghost);
   cost.agreement_us = kind.agreement_us * doublings(std::min(ranks, kind.per_host));
+  cost.ranks_us =
+      kind.exchange_us + (kind.rebuild_us + kind.rebuild_us_per_sphere * cost.spheres) / kind.steps_of_list;
   if (hosts > 1) {
     const double across = kind.network_us + bed.layer * bed.bytes_per_ghost / kind.network_bytes_per_us;
     cost.halo_us = std::max(cost.halo_us, across);
@@ -91,6 +114,7 @@ RankKind gpu_kind(Flow flow, bool friction) {
   kind.memory = 80e9;
   kind.messages = between_gpus;
   kind.agreement_us = flag_between_gpus;
+  add_ranks_of_gpus(kind, flow);
   kind.per_host = 8;
   kind.network_us = 12;
   kind.network_bytes_per_us = 20e3;  // 20 GB/s

@@ -21,6 +21,9 @@ struct RankKind {
   double memory = 0;                          // of a rank [bytes]; 0: not limited here
   std::span<const MeasuredMessage> messages;  // between neighbours of one host
   double agreement_us = 0;                    // per doubling of the ranks of one host [us]
+  // What several ranks add beside the messages: to each micro step, and to each rebuild of the lists [us].
+  double exchange_us = 0, rebuild_us = 0, rebuild_us_per_sphere = 0;
+  double steps_of_list = 1;  // micro steps between two rebuilds
   unsigned per_host = 1;
   // Between hosts. Assumed: nothing of it was measured.
   double network_us = 0;  // latency [us]
@@ -38,9 +41,9 @@ struct RankCost {
   double spheres = 0, ghosts = 0;  // of the rank with most
   double memory = 0;               // [bytes]
   double work_us = 0, halo_us = 0, agreement_us = 0;
-  // Of a micro step, whose messages wait for its work, or are hidden behind it [us].
-  double step_us() const { return work_us + halo_us + agreement_us; }
-  double hidden_us() const { return (work_us > halo_us ? work_us : halo_us) + agreement_us; }
+  double ranks_us = 0;  // kernels that pack and unpack messages, and the share of a rebuild's exchange
+  // Of a micro step, whose messages wait for its work [us].
+  double step_us() const { return work_us + halo_us + agreement_us + ranks_us; }
 };
 
 RankCost cost_of(const Bed& bed, const RankKind& kind, unsigned ranks);

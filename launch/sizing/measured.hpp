@@ -38,6 +38,14 @@ struct MeasuredMessage {
 inline constexpr MeasuredMessage between_gpus[] = {
     {16e3, 6.0}, {160e3, 6.2}, {480e3, 6.6}, {1.6e6, 11.3}, {16e6, 93}};
 inline constexpr double flag_between_gpus = 4.5 / 2;  // one way [us]
+// Two H200s of one host (results/rank_gpus.csv): the time of a step on one and on two of them, with as many
+// spheres on each, and the steps between two rebuilds.
+struct MeasuredPair {
+  double spheres;  // of a GPU
+  double one_us, two_us, steps_of_list;
+};
+inline constexpr MeasuredPair settled_pair{1e6, 205.8, 240.6, 5000.0 / 71},
+    flowing_pair{1e6, 227.6, 301.7, 5000.0 / 236}, large_pair{1e7, 2198.7, 2386.2, 1500.0 / 78};
 // Two ranks of MPI on one host: medians of results/ranks.csv.
 inline constexpr MeasuredMessage between_cores[] = {
     {48, 4.45}, {4800, 9.25}, {48000, 13.10}, {480000, 74.33}, {4800000, 3314.83}};

@@ -117,8 +117,8 @@ std::string limit_of(const RankCost& one, const RankCost& cost, const RankKind& 
   if (cost.halo_us == 0) return "work";
   if (cost.step_us() >= one.step_us())
     return fmt::format("messages: they take longer than the work that is saved. One {} is faster", rank);
-  if (cost.halo_us + cost.agreement_us > 0.1 * cost.work_us)
-    return "messages: more than a tenth of the work, unless they are hidden behind it";
+  if (cost.step_us() > 1.1 * cost.work_us)
+    return "messages and new lists of the ranks: more than a tenth of the work";
   return "work";
 }
 
@@ -158,10 +158,9 @@ std::string plan(const SceneFile& file, const PlanRequest& request) {
     line(settled ? "micro step, at rest" : "micro step, flowing",
          request.count == 1
              ? us_text(cost.step_us())
-             : fmt::format("{}: {} work, {} halo, {} agreement; {} with a hidden halo; one {} {}",
+             : fmt::format("{}: {} work, {} halo, {} agreement, {} to pack and to share out; one {} {}",
                            us_text(cost.step_us()), us_text(cost.work_us), us_text(cost.halo_us),
-                           us_text(cost.agreement_us), us_text(cost.hidden_us()), rank,
-                           us_text(one.step_us())));
+                           us_text(cost.agreement_us), us_text(cost.ranks_us), rank, us_text(one.step_us())));
     if (steps) run += (settled ? "" : " to ") + duration(*steps * cost.step_us() / 1e6);
   }
   line("run",
@@ -175,7 +174,7 @@ std::string plan(const SceneFile& file, const PlanRequest& request) {
     line("note",
          "no rate of this contact law, precision or domain was measured: times of the generic variant at "
          "most");
-  line("rates", request.gpus ? "of one H100; no run uses several GPUs yet (docs/cost_of_ranks.md)"
+  line("rates", request.gpus ? "of one H100, and of ranks on two H200s (docs/cost_of_ranks.md)"
                              : "of one core of a Xeon; messages of one host (docs/cost_of_ranks.md)");
   return text;
 }

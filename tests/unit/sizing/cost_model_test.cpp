@@ -46,6 +46,23 @@ TEST(CostModel, HasTheRatesOfTheResults) {
   EXPECT_TRUE(has_row("ranks.csv", {"maximum,2,", fmt::format(",{:.2f}", maximum_over_two_cores)}));
 }
 
+TEST(CostModel, HasThePairsOfTheResults) {
+  for (const auto& [what, pair] :
+       {std::pair{"settled,", settled_pair}, {"flowing,", flowing_pair}, {"settled,", large_pair}})
+    for (const auto& [ranks, us] : {std::pair{1, pair.one_us}, {2, pair.two_us}})
+      EXPECT_TRUE(has_row("rank_gpus.csv", {fmt::format("{}{:.0f},{},2,", what, ranks * pair.spheres, ranks),
+                                            fmt::format(",{:.4f},", us / 1000)}))
+          << what << ranks << ' ' << us;
+}
+
+// Two GPUs as measured, which the terms of the model come from.
+TEST(CostModel, AddsToTheMeasuredPairs) {
+  for (const auto& [flow, pair] : {std::pair{Flow::settled, settled_pair}, {Flow::flowing, flowing_pair}}) {
+    const RankCost cost = cost_of(tower_of_cubes(pair.spheres, 2), gpu_kind(flow, true), 2);
+    EXPECT_NEAR(cost.halo_us + cost.agreement_us + cost.ranks_us, pair.two_us - pair.one_us, 0.05);
+  }
+}
+
 TEST(CostModel, HasTheMessagesOfItsPage) {
   std::string page;
   for (const std::string& line : lines_of("docs/experiments/2026-11-ranks.md")) page += line + "\n";
@@ -103,8 +120,7 @@ TEST(CostModel, FitsTheLargestBedIntoMemory) {
 
 TEST(CostModel, HasItsTableInTheDocs) {
   std::string table =
-      "| each | GPUs | work [us] | halo [us] | agreement [us] | efficiency | with a hidden halo | memory of "
-      "each "
+      "| each | GPUs | work [us] | halo [us] | agreement [us] | ranks [us] | efficiency | memory of each "
       "|\n|---|---|---|---|---|---|---|---|\n";
   for (const double each : {1e6, 1e7})
     for (const unsigned gpus : {1u, 2u, 4u, 8u, 64u, 1024u}) {
@@ -112,10 +128,10 @@ TEST(CostModel, HasItsTableInTheDocs) {
       const RankKind kind = gpu_kind(Flow::settled, true);
       const RankCost one = cost_of(tower_of_cubes(each, 1), kind, 1), cost = cost_of(bed, kind, gpus);
       const bool has_ids = bed.spheres <= std::int64_t{1} << 30;
-      table += fmt::format(
-          "| {:.0f} M | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} % | {:.1f} % | {:.2f} GB{} |\n", each / 1e6,
-          gpus, cost.work_us, cost.halo_us, cost.agreement_us, 100 * one.step_us() / cost.step_us(),
-          100 * one.step_us() / cost.hidden_us(), cost.memory / 1e9, has_ids ? "" : "; too many ids");
+      table += fmt::format("| {:.0f} M | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} % | {:.2f} GB{} |\n",
+                           each / 1e6, gpus, cost.work_us, cost.halo_us, cost.agreement_us, cost.ranks_us,
+                           100 * one.step_us() / cost.step_us(), cost.memory / 1e9,
+                           has_ids ? "" : "; too many ids");
     }
   tandem::test::expect_on_page("docs/cost_of_ranks.md", "cost", table);
 }
