@@ -27,12 +27,15 @@ void StepPoints::begin(const std::vector<LinkMotion>& links, double h) {
   links_ = &links;
   const double g = model_.gravity.norm();
   bounds_.resize(model_.contact.shapes.size());
+  solids_.clear();
+  solids_.reserve(bounds_.size());
   bool moved = centres_.empty();
   for (std::size_t s = 0; s < bounds_.size(); ++s) {
     const ContactShape& shape = model_.contact.shapes[s];
     const LinkMotion& link = links[as_index(shape.link)];
     Bound& bound = bounds_[s];
-    bound.centre = link.point(shape.centre);
+    const Solid& solid = solids_.emplace_back(model_, static_cast<int>(s), links);
+    bound.centre = solid.centre;
     const double rate = at_point(link.V, bound.centre).norm() + link.V.head<3>().norm() * shape.bound;
     bound.travel = shape.link == 0 ? 0 : h * (rate + h * g);
     moved = moved || (bound.centre - centres_[s]).norm() + bound.travel > margins_[s];
@@ -72,15 +75,14 @@ bool StepPoints::is_near(const NearPair& pair) const {
 
 bool StepPoints::may_touch(int a, int b) {
   features_.clear();
-  find_features(model_, a, b, *links_, reach(a, b), -1, features_);
+  find_features(solids_[as_index(a)], solids_[as_index(b)], reach(a, b), -1, features_);
   return std::ranges::any_of(features_,
                              [&](const ContactFeature& f) { return gap(model_, f, *links_) <= reach(a, b); });
 }
 
 void StepPoints::sort(std::vector<ContactPoint>& points) {
-  std::stable_sort(points.begin(), points.end(), [](const ContactPoint& x, const ContactPoint& y) {
-    return pair_of(x.feature) < pair_of(y.feature);
-  });
+  const auto pair = [](const ContactPoint& point) { return pair_of(point.feature); };
+  if (!std::ranges::is_sorted(points, {}, pair)) std::ranges::stable_sort(points, {}, pair);
 }
 
 void StepPoints::find(int a, int b, const std::vector<ContactPoint>& points, std::vector<Found>& found) {
@@ -92,8 +94,8 @@ void StepPoints::find(int a, int b, const std::vector<ContactPoint>& points, std
   std::size_t last = first;
   while (last < points.size() && pair_at(points, last) == pair) ++last;
   features_.clear();
-  find_features(model_, a, b, *links_, reach(a, b), first == last ? -1 : points[last - 1].feature.code,
-                features_);
+  find_features(solids_[as_index(a)], solids_[as_index(b)], reach(a, b),
+                first == last ? -1 : points[last - 1].feature.code, features_);
   match(points, first, last);
   for (std::size_t i = 0; i < features_.size(); ++i)
     if (point_of_[i] != part_of_other_feature && gap(model_, features_[i], *links_) <= reach(a, b))
@@ -103,7 +105,8 @@ void StepPoints::find(int a, int b, const std::vector<ContactPoint>& points, std
 // The nearest ones first, so that a feature does not take the point of its neighbour.
 void StepPoints::match(const std::vector<ContactPoint>& points, std::size_t first, std::size_t last) {
   point_of_.assign(features_.size(), -1);
-  std::vector<std::tuple<double, std::size_t, std::size_t>> matches;
+  auto& matches = matches_;
+  matches.clear();
   for (std::size_t k = first; k < last; ++k) {
     const ContactFeature& g = points[k].feature;
     for (std::size_t i = 0; i < features_.size(); ++i) {

@@ -2,9 +2,11 @@
 // of the step before.
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "mbd_server/contact/features.hpp"
+#include "mbd_server/contact/solid.hpp"
 
 namespace tandem::mbd {
 
@@ -47,12 +49,14 @@ class StepPoints {
   const Model& model_;
   const std::vector<LinkMotion>* links_ = nullptr;
   std::vector<Bound> bounds_;  // (shapes)
+  std::vector<Solid> solids_;  // (shapes)
   // Pairs that are near while no shape has moved by more than its margin from where it was [m] (shapes).
   std::vector<NearPair> pairs_;
   std::vector<double> margins_;
   std::vector<Vector3d> centres_;
   std::vector<ContactFeature> features_;
   std::vector<Eigen::Index> point_of_;
+  std::vector<std::tuple<double, std::size_t, std::size_t>> matches_;  // distance, feature, point
 };
 
 }  // namespace tandem::mbd

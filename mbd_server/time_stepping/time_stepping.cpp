@@ -204,11 +204,11 @@ void TimeStepping::gather_points(const State& state, const std::vector<LinkMotio
     found_.clear();
     near_.find(a, b, state.contacts, found_);
     for (const StepPoints::Found& one : found_) {
-      ContactPoint point;
-      if (one.point >= 0) point = state.contacts[static_cast<std::size_t>(one.point)];
+      ContactPoint& point = one.point < 0
+                                ? touching_.emplace_back()
+                                : touching_.emplace_back(state.contacts[static_cast<std::size_t>(one.point)]);
       point.feature = one.feature;
       add_point(point, one.point < 0, links, h);
-      touching_.push_back(point);
     }
   });
   // Energy at the begin of the step: that which is left at its end, and in what is left, is not lost.
@@ -274,11 +274,11 @@ void TimeStepping::expect_outside(const ContactPoint& point, double depth, doubl
 
 // Points that bear or overlap stay, with the springs that have the friction of the end of the step.
 void TimeStepping::keep_points(State& state, double h) {
-  std::vector<ContactPoint> kept;
+  kept_.clear();
   for (const ContactPoint& point : state.contacts) {
     const int a = body_of(point.feature.a), b = body_of(point.feature.b);
     if ((a == none || place_of_[as_index(a)] == none) && (b == none || place_of_[as_index(b)] == none))
-      kept.push_back(point);
+      kept_.push_back(point);
   }
   account_.contacts.steps = problem_.points.empty() ? 0 : 1;
   for (std::size_t k = 0; k < touching_.size(); ++k) {
@@ -302,11 +302,11 @@ void TimeStepping::keep_points(State& state, double h) {
     point.friction.on_b = in_link(b, t.p + stretch);
     account_.lost -= stored_in(law, point, -t.gap, stretch);
     if (point.entry_time == 0) point.entry_time = state.time + h, ++account_.contacts.contacts;
-    kept.push_back(point);
+    kept_.push_back(point);
   }
   account_.lost += account_.by_step;
-  StepPoints::sort(kept);
-  state.contacts = std::move(kept);
+  StepPoints::sort(kept_);
+  std::swap(state.contacts, kept_);
 }
 
 // A motion does what the energy of its link gains, and what the link does at contacts.

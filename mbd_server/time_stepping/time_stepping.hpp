@@ -81,6 +81,7 @@ class TimeStepping {
   std::vector<Awake> awake_;            // (bodies of the problem)
   std::vector<int> place_of_;           // in the problem; none: it sleeps (bodies)
   std::vector<ContactPoint> touching_;  // (points of the problem)
+  std::vector<ContactPoint> kept_;
   std::vector<StepPoints::Found> found_;
   std::vector<LinkMotion> ahead_;  // links at the end of the step
   State end_;                      // for ahead_

@@ -1,7 +1,6 @@
 // Time stepping of contacts: rest, slip, rolling, rebound and penetration against closed forms, and what the
 // length of the step does to them.
 #include <cstdlib>
-#include <filesystem>
 #include <random>
 
 #include "tests/verification/mbd/contact_machines.hpp"
@@ -137,48 +136,15 @@ TEST(TimeStepping, RestitutionIsThatOfTheMaterialForShortStepsAndLessForLongOnes
   }
 }
 
-// Boxes that are turned and fall into each other.
-scene::Scene falling_boxes(int count, bool reversed = false) {
-  ContactScene s = stepping_scene();
-  s.material() = {"stuff", 1e5, 0, 0, 0.2, 0.5};
-  for (int k = 0; k < count; ++k) {
-    const int i = reversed ? count - 1 - k : k;
-    const BodyId box = s.add_box("box" + std::to_string(i), 1, {0.1, 0.1, 0.1},
-                                 {0.18 * (i % 3), 0.18 * (i / 3 % 2), 0.1 + 0.18 * (i / 6)});
-    s.body(box).pose.q_WB = exp(Vec3d{std::sin(i), std::sin(3 * i), std::sin(7 * i)});
-  }
+scene::Scene falling_boxes_in_steps(int count, bool reversed = false) {
+  ContactScene s = falling_boxes(count, reversed);
+  s.scene.contact->impacts = scene::Impacts::time_stepping;
   return s.scene;
 }
 
 TEST(TimeStepping, GivesTheSameBitsAfterARollbackAndARestart) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "time_stepping_test.state";
-  const auto hash_of = [&](int mode) {
-    ContactRun run(falling_boxes(12), 2e-3);
-    run.advance(100);
-    if (mode == 1) {
-      run.solver.save();
-      run.advance(40);
-      run.done -= 40;
-      run.solver.restore();
-    }
-    if (mode == 2) {
-      protocol::Checkpoint at;
-      at.path = file.string(), at.time = to_nanoseconds(2e-3 * static_cast<double>(run.done));
-      run.solver.checkpoint(at);
-      ContactRun next(falling_boxes(12), 2e-3);
-      next.solver.resume(at);
-      next.done = run.done;
-      next.advance(100);
-      return next.facts().at("mbd_state_hash").get<std::string>();
-    }
-    run.advance(100);
-    return run.facts().at("mbd_state_hash").get<std::string>();
-  };
-  const std::string hash = hash_of(0);
-  EXPECT_EQ(hash_of(0), hash);
-  EXPECT_EQ(hash_of(1), hash);
-  EXPECT_EQ(hash_of(2), hash);
-  std::filesystem::remove(file);
+  expect_same_bits_after_rollback_and_restart(falling_boxes_in_steps(12), 100, 40,
+                                              "time_stepping_test.state");
 }
 
 // Boxes and balls of several sizes, turned at random, fall into a well.
@@ -237,7 +203,7 @@ TEST(TimeStepping, RandomDropsComeToRestAndRepeat) {
 // Impacts enlarge round-off: while there are few, it stays small.
 TEST(TimeStepping, DoesNotDependOnTheOrderOfBodies) {
   constexpr std::size_t boxes = 12;
-  ContactRun one(falling_boxes(boxes), 2e-3), two(falling_boxes(boxes, true), 2e-3);
+  ContactRun one(falling_boxes_in_steps(boxes), 2e-3), two(falling_boxes_in_steps(boxes, true), 2e-3);
   one.advance(80), two.advance(80);
   double worst = 0;
   for (std::size_t i = 0; i < boxes; ++i)
