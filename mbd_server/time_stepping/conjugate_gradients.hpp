@@ -3,9 +3,9 @@
 //
 //   (P + L) P^-1 (P + L)^T
 //
-// with blocks P on the diagonal by which the diagonal is that of A (DILU). It is exact for chains and stacks
-// in their order. A solution costs a few products of A with a vector where the matrix is not much stiffer
-// than its bodies are heavy, however many they are.
+// with blocks P by which the diagonal is that of A (DILU, [Barrett1994]). It is exact for chains and stacks
+// in their order. A solution costs a few products of A with a vector, however many bodies there are, unless
+// the contacts are much stiffer than the bodies are heavy.
 #pragma once
 
 #include <cstdint>
