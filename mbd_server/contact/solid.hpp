@@ -39,8 +39,8 @@ class Solid {
   const Vector3d& across_arc(std::size_t edge) const {
     if (across_arcs_.empty())
       for (const ContactShape::Edge& e : shape.edges)
-        across_arcs_.push_back(normal(static_cast<std::size_t>(e.faces[1]))
-                                   .cross(normal(static_cast<std::size_t>(e.faces[0]))));
+        across_arcs_.push_back(
+            normal(static_cast<std::size_t>(e.faces[1])).cross(normal(static_cast<std::size_t>(e.faces[0]))));
     return across_arcs_[edge];
   }
   const Vector3d& on_face(std::size_t face) const {

@@ -2,10 +2,9 @@
 // of the step before.
 #pragma once
 
-#include <tuple>
 #include <vector>
 
-#include "mbd_server/contact/features.hpp"
+#include "mbd_server/contact/point_matches.hpp"
 #include "mbd_server/contact/solid.hpp"
 
 namespace tandem::mbd {
@@ -44,7 +43,6 @@ class StepPoints {
   };
   bool is_near(const NearPair& pair) const;
   double reach(int a, int b) const { return travel(a) + travel(b); }
-  void match(const std::vector<ContactPoint>& points, std::size_t first, std::size_t last);
 
   const Model& model_;
   const std::vector<LinkMotion>* links_ = nullptr;
@@ -55,8 +53,7 @@ class StepPoints {
   std::vector<double> margins_;
   std::vector<Vector3d> centres_;
   std::vector<ContactFeature> features_;
-  std::vector<Eigen::Index> point_of_;
-  std::vector<std::tuple<double, std::size_t, std::size_t>> matches_;  // distance, feature, point
+  PointMatches matches_;
 };
 
 }  // namespace tandem::mbd

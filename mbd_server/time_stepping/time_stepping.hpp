@@ -62,6 +62,7 @@ class TimeStepping {
   void keep_points(State& state, double h);
   void record_work(const std::vector<LinkMotion>& links);
   void rest(State& state, double h);
+  bool passes(const ContactPoint& point, const ContactProblem::Point& p, double h) const;
   void expect_outside(const ContactPoint& point, double depth, double time) const;
 
   int body_of(int shape) const;
