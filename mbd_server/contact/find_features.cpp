@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mbd_server/contact/mesh_features.hpp"
+#include "mbd_server/contact/solid.hpp"
 
 namespace tandem::mbd {
 namespace {
@@ -24,32 +25,6 @@ constexpr double least_crossing = 1e-4;
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
-
-struct Solid {
-  const ContactShape& shape;
-  const LinkMotion& link;
-  int index;
-  Points points;  // world
-  Vector3d centre;
-
-  Solid(const Model& model, int i, const std::vector<LinkMotion>& links)
-      : shape(model.contact.shape(i)),
-        link(links[at(shape.link)]),
-        index(i),
-        centre(link.point(shape.centre)) {
-    points.reserve(shape.points.size());
-    for (const Vector3d& p : shape.points) points.push_back(link.point(p));
-  }
-  Vector3d local(const Vector3d& p) const { return link.R_WL.transpose() * (p - link.p_WL); }
-  Vector3d turned_back(const Vector3d& d) const { return link.R_WL.transpose() * d; }
-  Vector3d normal(std::size_t face) const { return link.R_WL * shape.faces[face].normal; }
-  Vector3d on_face(std::size_t face) const { return points[at(shape.faces[face].corners[0])]; }
-  double lowest(const Vector3d& n) const {
-    double least = HUGE_VAL;
-    for (const Vector3d& p : points) least = std::min(least, n.dot(p));
-    return least;
-  }
-};
 
 class FeatureFinder {
  public:
@@ -224,6 +199,7 @@ class FeatureFinder {
       consider(b_.lowest(n) - n.dot(a_.on_face(i)), code_of(Family::face_a, static_cast<std::int64_t>(i)), 0,
                i, 0, slack);
     }
+    if (best.apart - slack > reach_) return;
     for (std::size_t i = 0; i < b_.shape.faces.size(); ++i) {
       const Vector3d n = b_.normal(i);
       consider(a_.lowest(n) - n.dot(b_.on_face(i)), code_of(Family::face_b, static_cast<std::int64_t>(i)), 1,
@@ -285,11 +261,12 @@ class FeatureFinder {
   bool facing(std::size_t i, std::size_t k) const {
     const auto& fa = a_.shape.edges[i].faces;
     const auto& fb = b_.shape.edges[k].faces;
-    const Vector3d a = a_.normal(at(fa[0])), b = a_.normal(at(fa[1])), c = -b_.normal(at(fb[0])),
-                   d = -b_.normal(at(fb[1]));
-    const Vector3d ba = b.cross(a), dc = d.cross(c);
-    const double cba = c.dot(ba), dba = d.dot(ba), adc = a.dot(dc), bdc = b.dot(dc);
-    return cba * dba < 0 && adc * bdc < 0 && cba * bdc > 0;
+    // With a and b, the normals of a_, and c and d, those of b_ turned round.
+    const Vector3d &ba = a_.across_arc(i), &dc = b_.across_arc(k);
+    const double cba = -b_.normal(at(fb[0])).dot(ba), dba = -b_.normal(at(fb[1])).dot(ba);
+    if (!(cba * dba < 0)) return false;
+    const double adc = a_.normal(at(fa[0])).dot(dc), bdc = a_.normal(at(fa[1])).dot(dc);
+    return adc * bdc < 0 && cba * bdc > 0;
   }
 
   // The part of the face of `other` opposite to a face of `base` that is above it: its corners touch.
@@ -360,7 +337,11 @@ void find_features(const Model& model, int one, int two, const std::vector<LinkM
   for (const auto& [mesh, other] : {std::pair{one, two}, std::pair{two, one}})
     if (on_surface(model.contact.shape(mesh).kind, model.contact.shape(other).kind))
       return find_mesh_features(model, other, mesh, links, reach, depth, features);
-  const Solid a(model, one, links), b(model, two, links);
+  find_features(Solid(model, one, links), Solid(model, two, links), reach, preferred, features);
+}
+
+void find_features(const Solid& a, const Solid& b, double reach, std::int64_t preferred,
+                   std::vector<ContactFeature>& features) {
   FeatureFinder finder(a, b, reach, preferred, features);
   const Kind ka = a.shape.kind, kb = b.shape.kind;
   const auto ball_on = [&](const Solid& ball, const Solid& other) {

@@ -39,8 +39,8 @@ void contact_tangents(const Model& model, const State& state, const std::vector<
     const Matrix6d T = about(to_eigen(observe_body(model, links, body).pose.p_WB));
     protocol::BodyTangent& tangent = tangents.emplace_back();
     tangent.body = static_cast<std::uint32_t>(body);
-    Eigen::Map<RowMajor6>(tangent.stiffness.data()) = -T.transpose() * by_displacement * T;
-    Eigen::Map<RowMajor6>(tangent.damping.data()) = -T.transpose() * by_velocity * T;
+    Eigen::Map<RowMajor6>(tangent.stiffness.data()) = -(T.transpose() * by_displacement * T);
+    Eigen::Map<RowMajor6>(tangent.damping.data()) = -(T.transpose() * by_velocity * T);
   }
 }
 

@@ -108,6 +108,12 @@ std::vector<std::string> run_warnings(const RunFigures& f) {
         fmt::format("{} contacts with stops came after a thousand others within one step and were damped "
                     "critically: give the limits more play, a restitution below 1 or less stiffness",
                     f.stops.crowded));
+  if (f.body_contacts && f.body_contacts->passing > 0)
+    list.push_back(fmt::format(
+        "in {} contacts of time stepping the shapes moved past each other within the step by more "
+        "than half of that from the surface to the middle of the thinner one: such shapes may "
+        "push each other though they pass beside each other; give a shorter mbd.integrator.step",
+        f.body_contacts->passing));
   // Data have digits: a start that is off by less changes nothing that shows.
   constexpr double shows = 1e-3, matters = 0.01;  // of the thinner shape; of the energy that moves
   const ReleasedAtStart& r = f.released;

@@ -13,7 +13,7 @@
 namespace tandem::mbd {
 namespace {
 
-constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
+constexpr double round_off_of_block = 4 * std::numeric_limits<double>::epsilon();
 
 bool is_free(const Model& model, LinkIndex i) {
   const Link &turns = model.links[static_cast<std::size_t>(i)],
@@ -179,7 +179,7 @@ Eigen::Index FreeBodies::factorise(const std::vector<ContactPairBlocks>* blocks)
     Matrix6d& D = diagonal_[at_place_[p]];
     const double level = D.cwiseAbs().colwise().maxCoeff().prod();
     const Eigen::PartialPivLU<Matrix6d> lu(D);
-    if (!(std::abs(lu.determinant()) > round_off * level)) return bodies_[at_place_[p]].u;
+    if (!(std::abs(lu.determinant()) > round_off_of_block * level)) return bodies_[at_place_[p]].u;
     D = lu.inverse();
     if (p >= coupled_places) continue;
     const int begin = first_[p], end = first_[p + 1];

@@ -40,6 +40,9 @@ struct BodyContactCounters {
   std::uint64_t steps = 0;     // taken with a point in contact
   // Time stepping: steps whose friction does not fit the normal forces to the tolerance.
   std::uint64_t unsettled = 0;
+  // Time stepping: points that began to push in a step in which the shapes moved past each other by more than
+  // half of that from the surface to the middle of the thinner one.
+  std::uint64_t passing = 0;
 };
 
 // Energy of the contacts at the start that no load holds: it throws bodies apart.
@@ -82,6 +85,7 @@ class BodyContacts {
     counters_.contacts += after.contacts - before.contacts;
     counters_.steps += after.steps - before.steps;
     counters_.unsettled += after.unsettled - before.unsettled;
+    counters_.passing += after.passing - before.passing;
   }
   // Sets what the last step of all islands has lost [J], and its extremes.
   void set_of_islands(double lost, const ContactExtremes& extremes) {

@@ -7,12 +7,6 @@
 namespace tandem::mbd {
 namespace {
 
-// A point of a face within this share of the size of its shape is the one that was there a step before.
-constexpr double same_place = 0.05;
-// A point of a face begins to touch where those that do are farther away than this share of the smaller
-// shape's size: two that are nearer would bear as one, with twice the stiffness.
-constexpr double merged = 1e-4;
-constexpr Eigen::Index part_of_another = -2;  // of such a point, in point_of_
 // Where a ball comes to another face, the energy of the change of its rate against the surface matters from
 // this share of the energy that moves on.
 constexpr double least_jump = 1e-10;
@@ -51,9 +45,9 @@ void ContactCandidates::find(const std::vector<LinkMotion>& links, double h,
         all_.push_back({feature, -1, rules_.tolerance(feature)});
         continue;
       }
-      const Eigen::Index point = point_of_[i];
+      const Eigen::Index point = matches_[i];
       if (point < 0 && feature.on_mesh) continue;  // its watch sees it
-      if (point == part_of_another) continue;
+      if (point == PointMatches::part_of_another) continue;
       if (feature.on_mesh) held.push_back(all_.size());
       all_.push_back({feature, point, rules_.tolerance(feature)});
       if (point < 0) continue;
@@ -76,39 +70,22 @@ ContactCandidates::Range ContactCandidates::of_pair(const ShapePair& pair) const
   return {first, last};
 }
 
-// Finds which features of the pair continue which of its points in contact: the nearest ones first, so that a
-// feature does not take the point of its neighbour. Two points that touch stay two, however near they come.
+// Finds which features of the pair continue which of its points in contact.
 void ContactCandidates::match(const std::vector<LinkMotion>& links, const std::vector<ContactPoint>& points,
                               Range of_pair) {
-  matches_.clear();
-  point_of_.assign(features_.size(), -1);
+  matches_.begin(features_.size());
   for (const OfPair& of : of_pair) {
     const ContactFeature& g = points[of.point].feature;
     for (std::size_t i = 0; i < features_.size(); ++i) {
       const ContactFeature& f = features_[i];
       if (f.kind == ContactFeature::Kind::watch || g.a != f.a || g.b != f.b || g.code != f.code) continue;
-      double distance = 0, most = HUGE_VAL;
-      if (f.on_mesh)
-        distance = (foot(model_, g, links) - f.place_b).norm(), most = same_foot(f);
-      else if (f.by_place)
-        distance = (g.place_a - f.place_a).norm(), most = same_place * model_.contact.shape(f.a).bound;
-      if (distance < most) matches_.push_back({distance, i, of.point});
+      if (!f.on_mesh)
+        matches_.add(model_, g, features_, i, of.point);
+      else if (const double distance = (foot(model_, g, links) - f.place_b).norm(); distance < same_foot(f))
+        matches_.add(distance, i, of.point);
     }
   }
-  std::ranges::sort(matches_);
-  for (const Match& m : matches_) {
-    if (point_of_[m.feature] >= 0 || std::ranges::find(point_of_, m.point) != point_of_.end()) continue;
-    point_of_[m.feature] = m.point;
-  }
-  for (std::size_t i = 0; i < features_.size(); ++i) {
-    const ContactFeature& f = features_[i];
-    if (!f.by_place || point_of_[i] >= 0) continue;
-    const double size = std::min(model_.contact.shape(f.a).bound, model_.contact.shape(f.b).bound);
-    for (std::size_t k = 0; k < features_.size(); ++k) {
-      const bool stands = point_of_[k] >= 0 || (k < i && point_of_[k] != part_of_another);
-      if (stands && (features_[k].place_a - f.place_a).norm() < merged * size) point_of_[i] = part_of_another;
-    }
-  }
+  matches_.choose(model_, features_);
 }
 
 // The point touches with the feature as it is now: of a face its corners have moved along its edges, on a

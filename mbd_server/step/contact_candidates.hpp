@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "mbd_server/contact/point_matches.hpp"
 #include "mbd_server/step/contact_ledger.hpp"
 #include "mbd_server/step/contact_rules.hpp"
 
@@ -78,13 +79,6 @@ class ContactCandidates {
   void expect_round_side(const ContactFeature& f, double gap) const;
 
  private:
-  // That a feature of the pair continues a point in contact, and how far they are apart [m].
-  struct Match {
-    double distance;
-    std::size_t feature;
-    Eigen::Index point;
-    auto operator<=>(const Match&) const = default;
-  };
   // A point in contact of a pair of shapes.
   struct OfPair {
     ShapePair pair;
@@ -121,8 +115,7 @@ class ContactCandidates {
   std::vector<Beginning> beginning_;
   std::optional<double> turned_;
   std::vector<OfPair> by_pair_;
-  std::vector<Match> matches_;
-  std::vector<Eigen::Index> point_of_;  // negative: it does not touch (features_)
+  PointMatches matches_;
 };
 
 }  // namespace tandem::mbd

@@ -10,15 +10,6 @@
 
 namespace tandem::mbd {
 
-void BlockCholesky::begin(int rows, const std::vector<Pair>& pairs) {
-  if (rows != static_cast<int>(place_of_.size()) || pairs != pairs_) {
-    pairs_ = pairs;
-    plan(rows);
-  }
-  for (Matrix6d& block : diagonal_) block.setZero();
-  for (Matrix6d& block : lower_) block.setZero();
-}
-
 // A place is coupled to the later ones of its pairs, and to those of the places before it that have it as
 // their first later one.
 void BlockCholesky::plan(int rows) {
@@ -66,7 +57,21 @@ void BlockCholesky::plan(int rows) {
   right_.resize(as_index(rows));
 }
 
-void BlockCholesky::factorise() {
+void BlockCholesky::factorise(const BlockMatrix& A) {
+  if (A.rows() != static_cast<int>(place_of_.size()) || A.pairs != pairs_) {
+    pairs_ = A.pairs;
+    plan(A.rows());
+  }
+  for (Matrix6d& block : lower_) block.setZero();
+  for (std::size_t row = 0; row < place_of_.size(); ++row)
+    diagonal_[as_index(place_of_[row])] = A.diagonal[row];
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    Matrix6d& block = lower_[as_index(entries_[k].lower)];
+    if (entries_[k].transposed)
+      block = A.upper[k].transpose();
+    else
+      block = A.upper[k];
+  }
   for (std::size_t p = 0; p < diagonal_.size(); ++p) {
     const Eigen::LLT<Matrix6d> llt(diagonal_[p]);
     if (llt.info() != Eigen::Success)

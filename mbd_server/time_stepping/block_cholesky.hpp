@@ -2,28 +2,16 @@
 // order of approximate minimum degree. The order is kept while the places of the blocks stay.
 #pragma once
 
-#include <utility>
 #include <vector>
 
-#include "mbd_server/spatial/spatial.hpp"
-#include "mbd_server/time_stepping/as_index.hpp"
+#include "mbd_server/time_stepping/block_matrix.hpp"
 
 namespace tandem::mbd {
 
 class BlockCholesky {
  public:
-  using Pair = std::pair<int, int>;  // row and column of a block off the diagonal, first < second
-
-  // Sets the number of rows of blocks and the blocks that are not zero, sorted; all blocks become zero.
-  void begin(int rows, const std::vector<Pair>& pairs);
-  Matrix6d& diagonal(int row) { return diagonal_[as_index(place_of_[as_index(row)])]; }
-  // Adds to the block (first, second) of the k-th pair, and to its mirror image.
-  void add(std::size_t k, const Matrix6d& block) {
-    const Entry& e = entries_[k];
-    lower_[as_index(e.lower)] += e.transposed ? Matrix6d(block.transpose()) : block;
-  }
   // Throws Error{numerics} where the matrix is not positive definite.
-  void factorise();
+  void factorise(const BlockMatrix& A);
   // Replaces r by A^-1 r (rows).
   void solve(std::vector<Vector6d>& r);
   // Products of two blocks in a factorisation.
@@ -36,7 +24,7 @@ class BlockCholesky {
   };
   void plan(int rows);
 
-  std::vector<Pair> pairs_;
+  std::vector<BlockMatrix::Pair> pairs_;
   std::vector<int> place_of_;       // of each row in the order
   std::vector<int> first_, later_;  // the later places that a place is coupled to (places + 1), (blocks)
   std::vector<Entry> entries_;      // (pairs)

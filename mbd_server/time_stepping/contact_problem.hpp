@@ -10,17 +10,18 @@
 //   friction: - h k_t (s + h v_t), and no larger than a bound
 //
 // Both fall with the velocity, so that the function is convex and has one minimum, which does not depend on
-// the order of bodies and points. Newton's method finds it with a factorisation by blocks of bodies and a
-// line search. The bound of friction is mu times the normal impulse: with one bound for each minimum
-// (Tresca's friction), the bounds of the next minimum follow from the impulses of the last one
-// [Panagiotopoulos1975], until they change the impulses no more. So a body that slides is not lifted, as with
-// a friction cone in one minimum.
+// the order of bodies and points. Newton's method finds it with conjugate gradients, or a factorisation by
+// blocks of bodies where the matrix is stiff, and a line search. The bound of friction is mu times the normal
+// impulse: with one bound for each minimum (Tresca's friction), the bounds of the next minimum follow from
+// the impulses of the last one [Panagiotopoulos1975], until they change the impulses no more. So a body that
+// slides is not lifted, as with a friction cone in one minimum.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "mbd_server/time_stepping/block_cholesky.hpp"
+#include "mbd_server/time_stepping/conjugate_gradients.hpp"
 
 namespace tandem::mbd {
 
@@ -47,7 +48,6 @@ class ContactProblem {
     Vector3d velocity = Vector3d::Zero();  // of b relative to a at the point [m/s]
     double normal = 0;                     // impulse [N s]
     Vector3d tangential = Vector3d::Zero();
-    bool slides = false;
     Vector3d impulse() const { return normal * n + tangential; }  // on b [N s]
   };
   struct Effort {
@@ -62,26 +62,36 @@ class ContactProblem {
   Effort solve(double h);
 
  private:
-  struct Slope {  // minus the change of the impulse with the velocity
+  // Of a point.
+  struct Impulse {
     double normal = 0;
-    Matrix3d all = Matrix3d::Zero();
+    Vector3d tangential = Vector3d::Zero();
+    // Minus the change with the velocity.
+    double normal_slope = 0;
+    Matrix3d slope = Matrix3d::Zero();
   };
+  enum class Slopes { without, with };
 
   void connect();
   Vector3d velocity_at(const Point& p, const std::vector<Vector6d>& v) const;
-  void evaluate_at(Point& p, const Vector3d& velocity, Slope* slope) const;
-  double evaluate();  // returns the norm of the gradient over that of the momenta
+  template <Slopes slopes>
+  Impulse impulse_at(const Point& p, const Vector3d& velocity) const;
+  void evaluate();
   void minimise(double tolerance, Effort& effort);
-  void find_direction();
+  void assemble();
+  void find_direction(Effort& effort);
   double step_length() const;
   void bound_friction();
 
   double h_ = 0;
-  std::vector<BlockCholesky::Pair> pairs_;
-  std::vector<int> pair_of_;  // of the bodies of a point; none: one is given (points)
-  std::vector<Slope> slopes_;
+  std::vector<int> pair_of_;                        // of the bodies of a point; none: one is given (points)
+  std::vector<Impulse> impulses_;                   // (points)
   std::vector<Vector6d> v_, gradient_, direction_;  // (bodies)
-  BlockCholesky matrix_;
+  double misfit_ = 0;                               // norm of the gradient over that of the momenta
+  BlockMatrix matrix_;
+  ConjugateGradients iterative_;
+  BlockCholesky direct_;
+  bool is_stiff_ = false;  // the matrix of this step, for conjugate gradients
 };
 
 }  // namespace tandem::mbd

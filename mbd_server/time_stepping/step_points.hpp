@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "mbd_server/contact/features.hpp"
+#include "mbd_server/contact/point_matches.hpp"
+#include "mbd_server/contact/solid.hpp"
 
 namespace tandem::mbd {
 
@@ -42,17 +43,17 @@ class StepPoints {
   };
   bool is_near(const NearPair& pair) const;
   double reach(int a, int b) const { return travel(a) + travel(b); }
-  void match(const std::vector<ContactPoint>& points, std::size_t first, std::size_t last);
 
   const Model& model_;
   const std::vector<LinkMotion>* links_ = nullptr;
   std::vector<Bound> bounds_;  // (shapes)
+  std::vector<Solid> solids_;  // (shapes)
   // Pairs that are near while no shape has moved by more than its margin from where it was [m] (shapes).
   std::vector<NearPair> pairs_;
   std::vector<double> margins_;
   std::vector<Vector3d> centres_;
   std::vector<ContactFeature> features_;
-  std::vector<Eigen::Index> point_of_;
+  PointMatches matches_;
 };
 
 }  // namespace tandem::mbd

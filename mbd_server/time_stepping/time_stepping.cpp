@@ -16,6 +16,8 @@ namespace {
 // A contact that begins at rest has the damping of one that begins at this rate, where there is no gravity
 // [m/s].
 constexpr double least_entry_rate = 1e-9;
+// Of that from the surface to the middle of the thinner shape.
+constexpr double share_of_pass = 0.5;
 
 Vector3d across_normal(const Vector3d& n, const Vector3d& x) {
   return x - n.dot(x) * n;
@@ -204,11 +206,11 @@ void TimeStepping::gather_points(const State& state, const std::vector<LinkMotio
     found_.clear();
     near_.find(a, b, state.contacts, found_);
     for (const StepPoints::Found& one : found_) {
-      ContactPoint point;
-      if (one.point >= 0) point = state.contacts[static_cast<std::size_t>(one.point)];
+      ContactPoint& point = one.point < 0
+                                ? touching_.emplace_back()
+                                : touching_.emplace_back(state.contacts[static_cast<std::size_t>(one.point)]);
       point.feature = one.feature;
       add_point(point, one.point < 0, links, h);
-      touching_.push_back(point);
     }
   });
   // Energy at the begin of the step: that which is left at its end, and in what is left, is not lost.
@@ -272,13 +274,29 @@ void TimeStepping::expect_outside(const ContactPoint& point, double depth, doubl
               "mbd.contact", "give more stiffness, or a shorter mbd.integrator.step");
 }
 
+// Whether the shapes begin to push each other although they move past each other: the normal is that of the
+// begin of the step, which another place of a shape has.
+bool TimeStepping::passes(const ContactPoint& point, const ContactProblem::Point& p, double h) const {
+  if (!(p.normal > 0) || p.depth >= 0) return false;
+  for (const int shape : {point.feature.a, point.feature.b})
+    if (model_.contact.shape(shape).kind == ContactShape::Kind::plane) return false;
+  // Without the contact, whose friction may stop the surfaces.
+  const auto rate = [&](int body, const Vector3d& r) {
+    if (body == none) return Vector3d(Vector3d::Zero());
+    const Vector6d& v = problem_.bodies[as_index(body)].free;
+    return Vector3d(v.tail<3>() + v.head<3>().cross(r));
+  };
+  const Vector3d velocity = rate(p.b, p.r_b) - rate(p.a, p.r_a) + p.given;
+  return h * across_normal(p.n, velocity).norm() > share_of_pass * thickness_at(model_, point.feature);
+}
+
 // Points that bear or overlap stay, with the springs that have the friction of the end of the step.
 void TimeStepping::keep_points(State& state, double h) {
-  std::vector<ContactPoint> kept;
+  kept_.clear();
   for (const ContactPoint& point : state.contacts) {
     const int a = body_of(point.feature.a), b = body_of(point.feature.b);
     if ((a == none || place_of_[as_index(a)] == none) && (b == none || place_of_[as_index(b)] == none))
-      kept.push_back(point);
+      kept_.push_back(point);
   }
   account_.contacts.steps = problem_.points.empty() ? 0 : 1;
   for (std::size_t k = 0; k < touching_.size(); ++k) {
@@ -287,6 +305,7 @@ void TimeStepping::keep_points(State& state, double h) {
     const ContactLaw law = model_.contact.law(point.feature.a, point.feature.b);
     const Touch t = touch(model_, point.feature, ahead_, Derivatives::without);
     account_.lost -= p.impulse().dot(p.velocity);
+    if (passes(point, p, h)) ++account_.contacts.passing;
     if (!(p.normal > 0) && !(t.gap < 0)) continue;
     account_.extremes.force = std::max(account_.extremes.force, p.normal / h);
     expect_outside(point, -t.gap, state.time + h);
@@ -302,11 +321,11 @@ void TimeStepping::keep_points(State& state, double h) {
     point.friction.on_b = in_link(b, t.p + stretch);
     account_.lost -= stored_in(law, point, -t.gap, stretch);
     if (point.entry_time == 0) point.entry_time = state.time + h, ++account_.contacts.contacts;
-    kept.push_back(point);
+    kept_.push_back(point);
   }
   account_.lost += account_.by_step;
-  StepPoints::sort(kept);
-  state.contacts = std::move(kept);
+  StepPoints::sort(kept_);
+  std::swap(state.contacts, kept_);
 }
 
 // A motion does what the energy of its link gains, and what the link does at contacts.

@@ -62,6 +62,7 @@ class TimeStepping {
   void keep_points(State& state, double h);
   void record_work(const std::vector<LinkMotion>& links);
   void rest(State& state, double h);
+  bool passes(const ContactPoint& point, const ContactProblem::Point& p, double h) const;
   void expect_outside(const ContactPoint& point, double depth, double time) const;
 
   int body_of(int shape) const;
@@ -81,6 +82,7 @@ class TimeStepping {
   std::vector<Awake> awake_;            // (bodies of the problem)
   std::vector<int> place_of_;           // in the problem; none: it sleeps (bodies)
   std::vector<ContactPoint> touching_;  // (points of the problem)
+  std::vector<ContactPoint> kept_;
   std::vector<StepPoints::Found> found_;
   std::vector<LinkMotion> ahead_;  // links at the end of the step
   State end_;                      // for ahead_

@@ -1,24 +1,8 @@
 // Free bodies that cannot touch within a step take steps of their own.
-#include <filesystem>
-
 #include "tests/verification/mbd/contact_machines.hpp"
 
 namespace tandem::mbd::contacts {
 namespace {
-
-// Boxes that are turned and fall into each other.
-scene::Scene falling_boxes(int count, bool reversed = false) {
-  ContactScene s;
-  s.add_floor();
-  s.material() = {"stuff", 1e5, 0, 0, 0.2, 0.5};
-  for (int k = 0; k < count; ++k) {
-    const int i = reversed ? count - 1 - k : k;
-    const BodyId box = s.add_box("box" + std::to_string(i), 1, {0.1, 0.1, 0.1},
-                                 {0.18 * (i % 3), 0.18 * (i / 3 % 2), 0.1 + 0.18 * (i / 6)});
-    s.body(box).pose.q_WB = exp(Vec3d{std::sin(i), std::sin(3 * i), std::sin(7 * i)});
-  }
-  return s.scene;
-}
 
 // The least gap between two balls is 2 mm; the first one has 1 m/s, and a window is 20 ms: the impact goes
 // through all of them within one step, from islands that were apart at its begin.
@@ -61,34 +45,7 @@ TEST(ContactIslands, OthersDoNotTakeTheStepsOfAnImpact) {
 }
 
 TEST(ContactIslands, GiveTheSameBitsAfterARollbackAndARestart) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "contact_islands_test.state";
-  const auto hash_of = [&](int mode) {
-    ContactRun run(falling_boxes(12), 2e-3);
-    run.advance(60);
-    if (mode == 1) {
-      run.solver.save();
-      run.advance(20);
-      run.done -= 20;
-      run.solver.restore();
-    }
-    protocol::Checkpoint at;
-    at.path = file.string(), at.time = to_nanoseconds(2e-3 * static_cast<double>(run.done));
-    if (mode == 2) {
-      run.solver.checkpoint(at);
-      ContactRun next(falling_boxes(12), 2e-3);
-      next.solver.resume(at);
-      next.done = run.done;
-      next.advance(60);
-      return next.facts().at("mbd_state_hash").get<std::string>();
-    }
-    run.advance(60);
-    return run.facts().at("mbd_state_hash").get<std::string>();
-  };
-  const std::string hash = hash_of(0);
-  EXPECT_EQ(hash_of(0), hash);
-  EXPECT_EQ(hash_of(1), hash);
-  EXPECT_EQ(hash_of(2), hash);
-  std::filesystem::remove(file);
+  expect_same_bits_after_rollback_and_restart(falling_boxes(12).scene, 60, 20, "contact_islands_test.state");
 }
 
 // Boxes on the floor sleep; a ball that falls on one of them wakes it, and both sleep again on the depth of
@@ -117,7 +74,7 @@ TEST(ContactIslands, SleepAtRestAndWake) {
 // In both orders each island has the same bodies, in another order: round-off.
 TEST(ContactIslands, DoNotDependOnTheOrderOfBodies) {
   constexpr int boxes = 12;
-  ContactRun one(falling_boxes(boxes), 2e-3), two(falling_boxes(boxes, true), 2e-3);
+  ContactRun one(falling_boxes(boxes).scene, 2e-3), two(falling_boxes(boxes, true).scene, 2e-3);
   one.advance(60), two.advance(60);
   double worst = 0;
   for (std::size_t i = 0; i < boxes; ++i)

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -92,6 +93,51 @@ struct ContactRun {
   Vec3d spin(std::size_t body = 0) { return solver.observe().bodies[body].twist.w_WB; }
   nlohmann::json facts() { return nlohmann::json::parse(solver.report().facts); }
 };
+
+// Boxes that are turned and fall into each other.
+inline ContactScene falling_boxes(int count, bool reversed = false) {
+  ContactScene s;
+  s.add_floor();
+  s.material() = {"stuff", 1e5, 0, 0, 0.2, 0.5};
+  for (int k = 0; k < count; ++k) {
+    const int i = reversed ? count - 1 - k : k;
+    const BodyId box = s.add_box("box" + std::to_string(i), 1, {0.1, 0.1, 0.1},
+                                 {0.18 * (i % 3), 0.18 * (i / 3 % 2), 0.1 + 0.18 * (i / 6)});
+    s.body(box).pose.q_WB = exp(Vec3d{std::sin(i), std::sin(3 * i), std::sin(7 * i)});
+  }
+  return s;
+}
+
+// Runs the scene for twice so many windows of 2 ms: again, with a rollback over `back` windows in the middle,
+// and with a restart there.
+inline void expect_same_bits_after_rollback_and_restart(const scene::Scene& scene, int windows, int back,
+                                                        const std::string& name) {
+  const auto hash = [](ContactRun& run) { return run.facts().at("mbd_state_hash").get<std::string>(); };
+  const auto begun = [&](ContactRun& run) -> ContactRun& {
+    run.advance(windows);
+    return run;
+  };
+  ContactRun plain(scene, 2e-3), again(scene, 2e-3), rolled(scene, 2e-3), restarted(scene, 2e-3);
+  begun(plain).advance(windows);
+  begun(again);
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / name;
+  protocol::Checkpoint at;
+  at.path = file.string(), at.time = to_nanoseconds(2e-3 * windows);
+  again.solver.checkpoint(at);
+  again.advance(windows);
+  begun(rolled).solver.save();
+  rolled.advance(back);
+  rolled.done -= static_cast<std::uint64_t>(back);
+  rolled.solver.restore();
+  rolled.advance(windows);
+  restarted.solver.resume(at);
+  restarted.done = static_cast<std::uint64_t>(windows);
+  restarted.advance(windows);
+  std::filesystem::remove(file);
+  EXPECT_EQ(hash(again), hash(plain));
+  EXPECT_EQ(hash(rolled), hash(plain));
+  EXPECT_EQ(hash(restarted), hash(plain));
+}
 
 // Largest error of the heights of bodies of 1 kg on each other, each pressed into the one below by the weight
 // of those above it [m]. `first`: centre of the lowest one, `distance` to the next, without weight [m].

@@ -1,7 +1,6 @@
 // Time stepping of contacts: rest, slip, rolling, rebound and penetration against closed forms, and what the
 // length of the step does to them.
 #include <cstdlib>
-#include <filesystem>
 #include <random>
 
 #include "tests/verification/mbd/contact_machines.hpp"
@@ -137,48 +136,15 @@ TEST(TimeStepping, RestitutionIsThatOfTheMaterialForShortStepsAndLessForLongOnes
   }
 }
 
-// Boxes that are turned and fall into each other.
-scene::Scene falling_boxes(int count, bool reversed = false) {
-  ContactScene s = stepping_scene();
-  s.material() = {"stuff", 1e5, 0, 0, 0.2, 0.5};
-  for (int k = 0; k < count; ++k) {
-    const int i = reversed ? count - 1 - k : k;
-    const BodyId box = s.add_box("box" + std::to_string(i), 1, {0.1, 0.1, 0.1},
-                                 {0.18 * (i % 3), 0.18 * (i / 3 % 2), 0.1 + 0.18 * (i / 6)});
-    s.body(box).pose.q_WB = exp(Vec3d{std::sin(i), std::sin(3 * i), std::sin(7 * i)});
-  }
+scene::Scene falling_boxes_in_steps(int count, bool reversed = false) {
+  ContactScene s = falling_boxes(count, reversed);
+  s.scene.contact->impacts = scene::Impacts::time_stepping;
   return s.scene;
 }
 
 TEST(TimeStepping, GivesTheSameBitsAfterARollbackAndARestart) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "time_stepping_test.state";
-  const auto hash_of = [&](int mode) {
-    ContactRun run(falling_boxes(12), 2e-3);
-    run.advance(100);
-    if (mode == 1) {
-      run.solver.save();
-      run.advance(40);
-      run.done -= 40;
-      run.solver.restore();
-    }
-    if (mode == 2) {
-      protocol::Checkpoint at;
-      at.path = file.string(), at.time = to_nanoseconds(2e-3 * static_cast<double>(run.done));
-      run.solver.checkpoint(at);
-      ContactRun next(falling_boxes(12), 2e-3);
-      next.solver.resume(at);
-      next.done = run.done;
-      next.advance(100);
-      return next.facts().at("mbd_state_hash").get<std::string>();
-    }
-    run.advance(100);
-    return run.facts().at("mbd_state_hash").get<std::string>();
-  };
-  const std::string hash = hash_of(0);
-  EXPECT_EQ(hash_of(0), hash);
-  EXPECT_EQ(hash_of(1), hash);
-  EXPECT_EQ(hash_of(2), hash);
-  std::filesystem::remove(file);
+  expect_same_bits_after_rollback_and_restart(falling_boxes_in_steps(12), 100, 40,
+                                              "time_stepping_test.state");
 }
 
 // Boxes and balls of several sizes, turned at random, fall into a well.
@@ -237,13 +203,77 @@ TEST(TimeStepping, RandomDropsComeToRestAndRepeat) {
 // Impacts enlarge round-off: while there are few, it stays small.
 TEST(TimeStepping, DoesNotDependOnTheOrderOfBodies) {
   constexpr std::size_t boxes = 12;
-  ContactRun one(falling_boxes(boxes), 2e-3), two(falling_boxes(boxes, true), 2e-3);
+  ContactRun one(falling_boxes_in_steps(boxes), 2e-3), two(falling_boxes_in_steps(boxes, true), 2e-3);
   one.advance(80), two.advance(80);
   double worst = 0;
   for (std::size_t i = 0; i < boxes; ++i)
     worst = std::max(worst, norm(one.position(i) - two.position(boxes - 1 - i)));
   EXPECT_GT(one.facts().at("mbd_body_contacts").get<double>(), 10);
   expect_near("largest distance of the places of a box [m]", worst, 0, 1e-9);
+}
+
+// Twenty boxes in bond that fall 1 mm onto each other, in a frame that is turned and moved.
+ContactScene pile(const Quat& turn, const Vec3d& shift, double stiffness) {
+  ContactScene s = stepping_scene(turn.rotate({0, 0, -g}));
+  s.material() = {"stuff", stiffness, 0, 0, 0.2, 0.5};
+  s.scene.contact->ground[0].geometry = scene::PlaneShape{shift, turn.rotate({0, 0, 1})};
+  for (int i = 0; i < 20; ++i) {
+    const int layer = i / 4;
+    const Vec3d at{0.21 * (i % 2) + 0.04 * (layer % 2), 0.21 * (i / 2 % 2) + 0.04 * (layer % 2),
+                   0.051 + 0.101 * layer};
+    const BodyId box = s.add_box("box" + std::to_string(i), 1, {0.2, 0.2, 0.1}, shift + turn.rotate(at));
+    s.body(box).pose.q_WB = turn * exp(Vec3d{0, 0, 0.05 * std::sin(i)});
+  }
+  return s;
+}
+
+TEST(TimeStepping, DoesNotDependOnTheFrame) {
+  ContactRun plain(pile({1, 0, 0, 0}, {}, 1e5).scene, 2e-3);
+  for (const Vec3d axis : {Vec3d{0, 0, 0.7}, Vec3d{1.1, -0.4, 2.0}, Vec3d{-2.2, 0.3, 0.5}}) {
+    const Quat turn = exp(axis);
+    const Vec3d shift{1.3, -0.7, 2.1};
+    ContactRun run(pile(turn, shift, 1e5).scene, 2e-3);
+    if (plain.done == 0) plain.advance(500);
+    run.advance(500);
+    double worst = 0;
+    for (std::size_t i = 0; i < 20; ++i)
+      worst = std::max(worst, norm(run.position(i) - shift - turn.rotate(plain.position(i))));
+    expect_near("largest distance after the settle [m]", worst, 0, 1e-6);
+  }
+}
+
+// Conjugate gradients find no minimum there, and the matrix is factorised: a wall of stiff boxes in bond.
+TEST(TimeStepping, AWallOfStiffBoxesIsFactorised) {
+  constexpr int wide = 6;
+  ContactScene s = stepping_scene();
+  s.material() = {"stuff", 1e10, 0, 0, 0.2, 0.5};
+  for (int i = 0; i < wide * wide; ++i)
+    s.add_box("box" + std::to_string(i), 1, {0.2, 0.2, 0.1},
+              {0.21 * (i % wide + 0.5 * (i / wide % 2)), 0, 0.05 + 0.1 * (i / wide)});
+  ContactRun run(s.scene, 2e-3);
+  run.advance(200);
+  for (const std::size_t i : {0, 8, 14})
+    expect_near("height of box " + std::to_string(i) + " [m]", run.position(i).z,
+                0.05 + 0.1 * static_cast<double>(i / wide), 1e-5);
+  EXPECT_GT(run.facts().at("mbd_factorisations").get<double>(), 100);
+  expect_closed_balance(run, 1e-3);
+}
+
+// A ball that flies by another one at a distance of 5 mm, and moves by twice its diameter in a step of 2 ms:
+// the run says that the contact may be none. Shorter steps have none.
+TEST(TimeStepping, ABallThatFliesByIsNamed) {
+  for (const double H : {2e-3, 1e-4}) {
+    ContactScene s = stepping_scene({0, 0, 0});
+    s.material() = {"stuff", 1e6, 0, 0, 0.2, 0.5};
+    const BodyId ball = s.add_ball("ball", 1, 0.01, {-0.1, 0, 5});
+    s.add_ball("other", 1, 0.01, {0, 0.025, 5});
+    s.body(ball).twist.v_WB = {20, 0, 0};
+    ContactRun run(s.scene, H);
+    run.advance(static_cast<int>(0.02 / H));
+    const bool says = run.solver.report().facts.find("moved past each other") != std::string::npos;
+    EXPECT_EQ(says, H == 2e-3);
+    EXPECT_EQ(run.velocity(1).x != 0, H == 2e-3);
+  }
 }
 
 // A body on a plate that a motion accelerates: friction carries it, and the motion works.
