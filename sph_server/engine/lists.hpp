@@ -120,7 +120,9 @@ void LiquidEngineOf<Exec, Real, shifting>::build_lists() {
   exec_.grow(hiders_of_, facets_.total);
   exec_.grow(sight_, facets_.total);
   exec_.grow(seen_, facets_.total);
-  if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
+  if (walls_.bodies() > 0)
+    for (auto* array : {&viewpoint_, &by_pressure_}) exec_.grow(*array, count_);
+  seen_ahead_ = false;
   list_beside_walls();
   use_arrays();
 }

@@ -58,6 +58,9 @@ struct WallArrays {
   Hiders* hiders = nullptr;  // of each of these facets, where `sight` is partial
   Sight* sight = nullptr;
   SeenFacet* seen = nullptr;
+  // Where the facets are seen from: the place of each particle near walls, or where it will be in the middle
+  // of the steps that use `seen` [m].
+  Vec3d* viewpoint = nullptr;
   Vec3d* by_pressure =
       nullptr;  // acceleration of each particle near walls by pressure, ghosts included [m/s2]
 };

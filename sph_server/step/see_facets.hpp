@@ -19,18 +19,31 @@ struct NameParticles {
   }
 };
 
-// Marks the entries whose facet has a point within the support.
+// Where particles beside walls see them from.
 template <class Real>
-struct MarkFacets {
+struct ChooseViewpoints {
   LiquidArrays<Real> liquid;
   WallArrays arrays;
-  WallsView walls;
   particles::CentreUnit<Real> centres;
+  const std::uint32_t* beside_wall = nullptr;  // the particles
+  double ahead = 0;                            // [s]
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    const std::uint32_t i = beside_wall[k];
+    const particles::FinePart<Real> fine = liquid.fine_part(i);
+    arrays.viewpoint[i] = centres.metres(centres.joined(liquid.position[i], fine)) +
+                          ahead * particles::velocity_of(liquid.velocity[i], fine);
+  }
+};
+
+// Marks the entries whose facet has a point within the support.
+struct MarkFacets {
+  WallArrays arrays;
+  WallsView walls;
   double support = 0;  // [m]
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
-    const std::uint32_t i = arrays.particle[entry];
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    const Vec3d x = arrays.viewpoint[arrays.particle[entry]];
     arrays.place[entry] = walls.is_within(support, x, arrays.facets.entry[entry]) ? 1 : WallArrays::nowhere;
   }
 };
@@ -50,29 +63,22 @@ struct NumberFacets {
 };
 
 // The facet of a marked entry in world axes.
-template <class Real>
 struct PlaceFacet {
-  LiquidArrays<Real> liquid;
   WallArrays arrays;
   WallsView walls;
-  particles::CentreUnit<Real> centres;
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t place = arrays.place[entry];
     if (place == WallArrays::nowhere) return;
-    const std::uint32_t i = arrays.particle[entry];
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    arrays.near[place] = walls.seen_from(x, arrays.facets.entry[entry]);
+    arrays.near[place] =
+        walls.seen_from(arrays.viewpoint[arrays.particle[entry]], arrays.facets.entry[entry]);
   }
 };
 
 // Takes the facets of closed surfaces out that face away from a particle.
-template <class Real>
 struct RemoveBacks {
-  LiquidArrays<Real> liquid;
   WallArrays arrays;
-  const std::uint32_t* surface = nullptr;  // see WallsView
-  particles::CentreUnit<Real> centres;
+  const std::uint32_t* surface = nullptr;      // see WallsView
   const std::uint32_t* beside_wall = nullptr;  // see NumberFacets
   double support = 0;                          // [m]
 
@@ -83,8 +89,7 @@ struct RemoveBacks {
       any_closed = arrays.place[n] != WallArrays::nowhere && surface[arrays.facets.entry[n]] != 0;
     if (any_closed)
       arrays.near_count[i] =
-          without_backs(centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i))),
-                        arrays.near + begin, arrays.near_count[i], support);
+          without_backs(arrays.viewpoint[i], arrays.near + begin, arrays.near_count[i], support);
   }
 };
 
@@ -98,19 +103,15 @@ struct IsNear {
 };
 
 // What hides parts of a facet from a particle.
-template <class Real>
 struct FindHiders {
-  LiquidArrays<Real> liquid;
   WallArrays arrays;
-  particles::CentreUnit<Real> centres;
   WallKernel kernel;
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
                         count = arrays.near_count[i];
     const FacetsOfParticle near{arrays.near + begin, static_cast<int>(count)};
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    const Hiders hiders = hiders_of(x, near, static_cast<int>(entry - begin), kernel);
+    const Hiders hiders = hiders_of(arrays.viewpoint[i], near, static_cast<int>(entry - begin), kernel);
     arrays.hiders[entry] = hiders;
     arrays.sight[entry] = hiders == 0 ? Sight::whole : Sight::partial;
   }
@@ -123,16 +124,14 @@ struct HasSight {
 };
 
 // One facet as one particle sees it: all of it, or what others leave of it. The latter takes far longer.
-template <class Real, Sight sight>
+template <Sight sight>
 struct SeeFacets {
-  LiquidArrays<Real> liquid;
   WallArrays arrays;
-  particles::CentreUnit<Real> centres;
   WallKernel kernel;
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i];
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    const Vec3d x = arrays.viewpoint[i];
     bool complete = true;
     if constexpr (sight == Sight::whole) {
       arrays.seen[entry].integrals = whole_integrals(x, arrays.near[entry], kernel);
