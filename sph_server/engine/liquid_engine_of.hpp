@@ -50,7 +50,7 @@ class LiquidEngineOf final : public LiquidEngine {
     centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, setup.follows ? 10 : 4);
     pairs_.apart.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
-    mark_.support = backs_.support = setup.liquid.support();
+    mark_.support = setup.liquid.support();
     const WallKernel kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     hiders_.kernel = see_whole_.kernel = see_partial_.kernel = wall_sums_.kernel = edges_.kernel = kernel;
     rates_.properties = setup.liquid;
@@ -154,10 +154,9 @@ class LiquidEngineOf final : public LiquidEngine {
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
     for (int k = 0; k < how.steps; ++k) {
-      const double dt =
-          step_limits(l, std::max(l.sound_speed, figures_.largest_speed), figures_.largest_acceleration)
-              .smallest;
-      step(dt, poses(), k + 1 < how.steps ? dt : 0);
+      step(step_limits(l, std::max(l.sound_speed, figures_.largest_speed), figures_.largest_acceleration)
+               .smallest,
+           poses(), 0);
       after_step(k);
     }
     rates_.properties.gravity = l.gravity;
@@ -406,18 +405,17 @@ class LiquidEngineOf final : public LiquidEngine {
   void use_arrays() {
     liquid_ = memory_.view(count_);
     liquid_.neighbours = neighbours_.view();
-    arrays_ = {facets_.view(),    particle_.data(),   place_of_facet_.data(), near_count_.data(),
-               near_.data(),      hiders_of_.data(),  sight_.data(),          seen_.data(),
-               viewpoint_.data(), by_pressure_.data()};
+    arrays_ = {facets_.view(),         particle_.data(),   walls_.any_closed() ? side_.data() : nullptr,
+               place_of_facet_.data(), near_count_.data(), near_.data(),
+               hiders_of_.data(),      sight_.data(),      seen_.data(),
+               viewpoint_.data(),      by_pressure_.data()};
     pairs_.liquid = viewpoints_.liquid = rates_.liquid = wall_sums_.liquid = edges_.liquid = advance_.liquid =
         liquid_;
-    viewpoints_.arrays = mark_.arrays = number_.arrays = place_.arrays = backs_.arrays = hiders_.arrays =
-        see_whole_.arrays = see_partial_.arrays = wall_sums_.arrays = edges_.arrays = arrays_;
+    viewpoints_.arrays = mark_.arrays = number_.arrays = place_.arrays = hiders_.arrays = see_whole_.arrays =
+        see_partial_.arrays = wall_sums_.arrays = edges_.arrays = arrays_;
     mark_.walls = place_.walls = device_walls_.view_ahead();
     wall_sums_.walls = edges_.walls = device_walls_.view();
-    backs_.surface = place_.walls.surface;
-    viewpoints_.beside_wall = number_.beside_wall = backs_.beside_wall = wall_sums_.beside_wall =
-        beside_wall_.data();
+    viewpoints_.beside_wall = number_.beside_wall = wall_sums_.beside_wall = beside_wall_.data();
     pairs_.result = sums_.data();
     rates_.pairs = wall_sums_.pairs = sums_.data();
     rates_.walls = wall_sums_.result = of_walls_.data();
@@ -509,7 +507,6 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(facets_.total, mark_);
     exec_.for_each(beside_walls_, number_);
     exec_.for_each(facets_.total, place_);
-    if (walls_.any_closed()) exec_.for_each(beside_walls_, backs_);
     exec_.zero(sight_, facets_.total);
     exec_.for_each_where(facets_.total, IsNear{arrays_}, hiders_);
     exec_.for_each_of_two(facets_.total, HasSight{sight_.data(), Sight::partial}, see_partial_,
@@ -607,6 +604,7 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<float> distance_, clearance_;  // see MeasureFacets and FindClearance
   Buffer<NearFacet> near_;
   Buffer<Hiders> hiders_of_;
+  Buffer<std::int8_t> side_;
   Buffer<Sight> sight_;
   Buffer<SeenFacet> seen_;
   Buffer<Vec3d> viewpoint_, by_pressure_;
@@ -622,7 +620,6 @@ class LiquidEngineOf final : public LiquidEngine {
   MarkFacets mark_;
   NumberFacets number_;
   PlaceFacet place_;
-  RemoveBacks backs_;
   FindHiders hiders_;
   SeeFacets<Sight::whole> see_whole_;
   SeeFacets<Sight::partial> see_partial_;

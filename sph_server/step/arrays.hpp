@@ -49,7 +49,11 @@ enum class Sight : std::uint8_t { nothing, whole, partial };
 struct WallArrays {
   ListView<std::uint32_t> facets;           // with a point within the reach when the list was built
   const std::uint32_t* particle = nullptr;  // of each entry of `facets`
-  // Where in `near` the facet of an entry is; `nowhere` if it has no point within the support now (entries).
+  // On which side of its closed surface the particle of an entry is, see side_of_surface(); null where no
+  // surface is closed. Particles do not pass walls while a list serves.
+  std::int8_t* side = nullptr;
+  // Where in `near` the facet of an entry is; `nowhere` if it has no point within the support now, or faces
+  // away (entries).
   std::uint32_t* place = nullptr;
   static constexpr std::uint32_t nowhere = ~std::uint32_t{0};
   // The facets that a particle may see: the first near_count[i] from facets.start[i] on.

@@ -36,7 +36,35 @@ struct ChooseViewpoints {
   }
 };
 
-// Marks the entries whose facet has a point within the support.
+// Finds the sides of closed surfaces on which a particle is when lists are built.
+struct FindSides {
+  WallsView walls;
+  ListView<std::uint32_t> facets;
+  const std::uint32_t* beside_wall = nullptr;  // the particles
+  const Vec3d* x = nullptr;                    // of each particle [m]
+  double reach = 0;                            // of the lists [m]
+  std::int8_t* side = nullptr;                 // see WallArrays
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    const std::uint32_t i = beside_wall[k], begin = facets.start[i], count = facets.end[i] - begin;
+    const auto facet = [this, i, begin](std::uint32_t n) {
+      return walls.beside(x[i], facets.entry[begin + n]);
+    };
+    std::uint32_t known = 0;
+    int of_known = 0;
+    for (std::uint32_t n = 0; n < count; ++n) {
+      const std::uint32_t surface = walls.surface[facets.entry[begin + n]];
+      if (surface != 0 && surface != known) {
+        known = surface;
+        of_known = side_of_surface(x[i], facet, count, known, reach);
+      }
+      side[begin + n] = static_cast<std::int8_t>(surface != 0 ? of_known : 0);
+    }
+  }
+};
+
+// Marks the entries whose facet has a point within the support, and does not face away as part of a closed
+// surface: what a particle would see of such a one is behind others.
 struct MarkFacets {
   WallArrays arrays;
   WallsView walls;
@@ -44,7 +72,11 @@ struct MarkFacets {
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const Vec3d x = arrays.viewpoint[arrays.particle[entry]];
-    arrays.place[entry] = walls.is_within(support, x, arrays.facets.entry[entry]) ? 1 : WallArrays::nowhere;
+    const std::uint32_t facet = arrays.facets.entry[entry];
+    const int side = arrays.side ? arrays.side[entry] : 0;
+    const bool near = (side == 0 || (walls.beside(x, facet).height < 0 ? -1 : 1) == side) &&
+                      walls.is_within(support, x, facet);
+    arrays.place[entry] = near ? 1 : WallArrays::nowhere;
   }
 };
 
@@ -72,24 +104,6 @@ struct PlaceFacet {
     if (place == WallArrays::nowhere) return;
     arrays.near[place] =
         walls.seen_from(arrays.viewpoint[arrays.particle[entry]], arrays.facets.entry[entry]);
-  }
-};
-
-// Takes the facets of closed surfaces out that face away from a particle.
-struct RemoveBacks {
-  WallArrays arrays;
-  const std::uint32_t* surface = nullptr;      // see WallsView
-  const std::uint32_t* beside_wall = nullptr;  // see NumberFacets
-  double support = 0;                          // [m]
-
-  TANDEM_HD void operator()(std::uint32_t k) const {
-    const std::uint32_t i = beside_wall[k], begin = arrays.facets.start[i], end = arrays.facets.end[i];
-    bool any_closed = false;
-    for (std::uint32_t n = begin; n < end && !any_closed; ++n)
-      any_closed = arrays.place[n] != WallArrays::nowhere && surface[arrays.facets.entry[n]] != 0;
-    if (any_closed)
-      arrays.near_count[i] =
-          without_backs(arrays.viewpoint[i], arrays.near + begin, arrays.near_count[i], support);
   }
 };
 
