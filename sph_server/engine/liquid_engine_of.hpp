@@ -134,9 +134,11 @@ class LiquidEngineOf final : public LiquidEngine {
     last_dt_ = dt;
     set_poses(poses);
     lost_ = {};
-    const double ahead = seen_ahead_ ? 0 : 0.5 * next;
+    const bool seen = seen_ahead_;
+    const double ahead = seen ? 0 : 0.5 * next;
     move(ahead);
-    sum_rates(ahead);
+    // With new lists the middle of this step is where it was half a step ago: results do not depend on lists.
+    sum_rates(seen && !seen_ahead_ ? -0.5 * dt : ahead);
     if (!lost_.index.empty()) forget_step_before();
   }
   LostParticles take_lost() override { return std::exchange(lost_, {}); }
@@ -500,7 +502,7 @@ class LiquidEngineOf final : public LiquidEngine {
 
   // From where particles will be after the time `ahead`, and as bodies will be then [s].
   void see_facets(double ahead) {
-    device_walls_.place_ahead(exec_, ahead > 0 ? moved_on(poses_, ahead) : poses_);
+    device_walls_.place_ahead(exec_, ahead != 0 ? moved_on(poses_, ahead) : poses_);
     mark_.walls = place_.walls = device_walls_.view_ahead();
     viewpoints_.ahead = ahead;
     exec_.for_each(beside_walls_, viewpoints_);
@@ -513,8 +515,8 @@ class LiquidEngineOf final : public LiquidEngine {
                           HasSight{sight_.data(), Sight::whole}, see_whole_);
   }
 
-  // ahead: half of the next step, for which what particles see of facets has to serve as well; 0: it has not
-  // [s].
+  // ahead: half of the next step, for which what particles see of facets has to serve as well, less than 0
+  // half of this one; 0: for this step alone [s].
   void sum_rates(double ahead = 0) {
     const auto sum_pairs = [this] { exec_.sum_over_lanes(count(), pairs_); };
     if (seen_ahead_)
