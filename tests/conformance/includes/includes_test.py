@@ -4,6 +4,7 @@ import pathlib
 import tempfile
 import unittest
 
+import standard
 from includes import circles, edges, fewest_upward, offences
 
 FILES = ["common/a.hpp", "protocol/b.hpp", "protocol/version.hpp.in", "protocol/wire.idl", "protocol/list.def",
@@ -109,6 +110,16 @@ class Includes(unittest.TestCase):
         self.passes("launch/x.cpp", '#include "dem_server/coupling/e.hpp"')
         self.passes("tests/x.cpp", '#include "mbd_server/solve/c.hpp"')
         self.passes("mbd_server/solve/x.cpp", '// #include "launch/f.hpp"')
+
+
+class Standard(unittest.TestCase):
+    def test_types_need_their_headers(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "common").mkdir()
+            (root / "common/a.hpp").write_text("#include <vector>\n")
+            (root / "common/b.hpp").write_text('#include "common/a.hpp"\nstd::vector<int> all;  // std::map\nstd::optional<int> some;\n')
+            self.assertEqual(standard.offences(root), (["common/b.hpp: std::optional needs <optional>"], 2))
 
 
 class Edges(unittest.TestCase):
