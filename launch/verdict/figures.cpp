@@ -38,12 +38,12 @@ const Json& entry_of(const RunFigures& run, const char* key, const std::string& 
 }
 
 std::string finer_step(const scene::Scene& scene, double factor) {
-  const scene::Integrator integrator = scene.mbd ? scene.mbd->integrator : scene::Integrator{};
+  const scene::Integrator* const integrator = scene.mbd ? &scene.mbd->integrator : nullptr;
   factor = std::isfinite(factor) ? std::max(factor, 1e-4) : 1e-4;
-  if (integrator.error_tolerance)
+  if (integrator != nullptr && integrator->error_tolerance)
     return fmt::format("use mbd.integrator.error_tolerance = {:.2g} (now {:.2g})",
-                       factor * *integrator.error_tolerance, *integrator.error_tolerance);
-  const double step = integrator.step.value_or(scene.coupling.window);
+                       factor * *integrator->error_tolerance, *integrator->error_tolerance);
+  const double step = integrator != nullptr && integrator->step ? *integrator->step : scene.coupling.window;
   return fmt::format(
       "use mbd.integrator.step = {:.2g} s (now {:.2g}), or let the error choose it with "
       "mbd.integrator.error_tolerance = 1e-6",
