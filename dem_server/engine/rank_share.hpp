@@ -11,12 +11,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <numeric>
-#include <utility>
 #include <vector>
 
+#include "dem_server/contact/ghosts.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/base/range.hpp"
 #include "particles/grid/cell_grid.hpp"
@@ -61,27 +60,6 @@ class CellShares {
  private:
   std::vector<std::uint32_t> first_;  // of each rank, and the end
 };
-
-// What a rank exchanges with another one in each micro step.
-struct GhostLink {
-  unsigned rank = 0;
-  Range send;    // part of RankBuffers::send: own spheres that are ghosts there, ascending
-  Range ghosts;  // spheres of that rank that are ghosts here
-};
-
-// An array that ranks exchange: rank r gets the entries to[r] of `out`, and what rank r sends arrives in the
-// entries from[r] of `in`. A rank sends nothing to itself.
-struct ExchangedArray {
-  std::byte* out = nullptr;
-  std::byte* in = nullptr;
-  std::size_t entry = 0;  // bytes
-  std::vector<Range> to, from;
-};
-template <class Buffer>
-ExchangedArray exchanged(Buffer& out, std::vector<Range> to, Buffer& in, std::vector<Range> from) {
-  return {reinterpret_cast<std::byte*>(out.data()), reinterpret_cast<std::byte*>(in.data()),
-          sizeof(*out.data()), std::move(to), std::move(from)};
-}
 
 // Of `count` things in order, the part of a rank.
 inline Range equal_share(std::uint32_t count, unsigned rank, unsigned ranks) {

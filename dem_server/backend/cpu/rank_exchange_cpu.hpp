@@ -7,9 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "dem_server/contact/ghosts.hpp"
 #include "dem_server/contact/view.hpp"
-#include "dem_server/engine/ghost_state.hpp"
-#include "dem_server/engine/rank_share.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/base/ranks.hpp"
 

@@ -15,9 +15,8 @@
 #include <vector>
 
 #include "dem_server/backend/cuda/rank_messages.cuh"
+#include "dem_server/contact/ghosts.hpp"
 #include "dem_server/contact/view.hpp"
-#include "dem_server/engine/ghost_state.hpp"
-#include "dem_server/engine/rank_share.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/backend/cuda/device_exec.cuh"
 #include "particles/backend/cuda/peer_memory.cuh"

@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "dem_server/contact/ghosts.hpp"
 #include "dem_server/contact/view.hpp"
-#include "dem_server/engine/ghost_state.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/base/range.hpp"
 
