@@ -173,7 +173,7 @@ TEST(MicroStep, SoLongThatSpheresPassWallsUnseenIsWarnedOf) {
   run.advance(1);
   EXPECT_EQ(run.report()["windows_of_too_long_steps"], 1);
   EXPECT_THAT(run.warnings(), Contains(AllOf(HasSubstr("in 1 of 1 windows"),
-                                             HasSubstr("so that they pass each other unseen"))));
+                                             HasSubstr("so that they pass each other undetected"))));
 
   // The chosen step is short enough, also for two such spheres head on.
   soft.options = R"("micro_step": "auto",)";
@@ -206,7 +206,7 @@ TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
   EXPECT_EQ(record.beyond_step, 2u);
   EXPECT_THAT(watch.warnings(record),
               testing::ElementsAre(
-                  AllOf(HasSubstr("in 2 of 3 windows"), HasSubstr("so that they pass each other unseen"))));
+                  AllOf(HasSubstr("in 2 of 3 windows"), HasSubstr("so that they pass each other undetected"))));
 }
 
 TEST(MicroStep, IsThatOfTheWindowAlsoInWarnings) {
