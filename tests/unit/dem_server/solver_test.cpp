@@ -205,8 +205,8 @@ TEST(MicroStep, WallsThatPassSpheresUnseenAreWarnedOf) {
   EXPECT_THAT(watch.observe({}, plan, 0.3, record), testing::IsEmpty()) << "reported once";
   EXPECT_EQ(record.beyond_step, 2u);
   EXPECT_THAT(watch.warnings(record),
-              testing::ElementsAre(
-                  AllOf(HasSubstr("in 2 of 3 windows"), HasSubstr("so that they pass each other undetected"))));
+              testing::ElementsAre(AllOf(HasSubstr("in 2 of 3 windows"),
+                                         HasSubstr("so that they pass each other undetected"))));
 }
 
 TEST(MicroStep, IsThatOfTheWindowAlsoInWarnings) {
