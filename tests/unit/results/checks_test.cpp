@@ -119,6 +119,11 @@ TEST(Reduce, EmptyRangeIsASceneError) {
   }
 }
 
+scene::Check with(scene::Check check, const scene::CheckKeys& keys) {
+  static_cast<scene::CheckKeys&>(check) = keys;
+  return check;
+}
+
 class Evaluate : public ::testing::Test {
  protected:
   CheckResult judge(const scene::Check& check) {
@@ -155,23 +160,21 @@ TEST_F(Evaluate, ReadsBodiesJointsAndSummary) {
 
 TEST_F(Evaluate, RelativeAndAbsoluteTolerance) {
   const CheckResult relative =
-      judge({.name = "c", .of = "box.position.z", .expected = 50, .tolerance = 0.25});
+      judge(with({.name = "c", .of = "box.position.z", .expected = 50}, {.tolerance = 0.25}));
   EXPECT_DOUBLE_EQ(relative.error, 0.2);
   EXPECT_TRUE(relative.passed);
-  EXPECT_FALSE(judge({.name = "c", .of = "box.position.z", .expected = 50, .tolerance = 0.1}).passed);
+  EXPECT_FALSE(judge(with({.name = "c", .of = "box.position.z", .expected = 50}, {.tolerance = 0.1})).passed);
   const CheckResult absolute =
-      judge({.name = "c", .of = "hinge.q", .expected = -4.5, .tolerance = 0.25, .absolute = true});
+      judge(with({.name = "c", .of = "hinge.q", .expected = -4.5}, {.absolute = true, .tolerance = 0.25}));
   EXPECT_DOUBLE_EQ(absolute.error, 0.5);
   EXPECT_FALSE(absolute.passed);
 }
 
 TEST_F(Evaluate, ExpectsAnotherSignalTimesAFactor) {
   // box.position.z ends at 40, the largest hinge.q is -1.
-  const CheckResult result = judge({.name = "c",
-                                    .of = "box.position.z",
-                                    .expected_of = "summary.lost_particles",
-                                    .times = 13,
-                                    .tolerance = 0.03});
+  const CheckResult result =
+      judge(with({.name = "c", .of = "box.position.z", .expected_of = "summary.lost_particles", .times = 13},
+                 {.tolerance = 0.03}));
   EXPECT_EQ(result.check.expected, 39);
   EXPECT_DOUBLE_EQ(result.error, 1.0 / 39);
   EXPECT_TRUE(result.passed);
@@ -182,15 +185,16 @@ TEST_F(Evaluate, ExpectsAnotherSignalTimesAFactor) {
 }
 
 TEST_F(Evaluate, ExpectedZero) {
-  EXPECT_FALSE(judge({.name = "c", .of = "summary.lost_particles", .expected = 0, .tolerance = 1}).passed);
-  EXPECT_TRUE(
-      judge({.name = "c", .of = "summary.lost_particles", .expected = 0, .tolerance = 3, .absolute = true})
-          .passed);
+  EXPECT_FALSE(
+      judge(with({.name = "c", .of = "summary.lost_particles", .expected = 0}, {.tolerance = 1})).passed);
+  EXPECT_TRUE(judge(with({.name = "c", .of = "summary.lost_particles", .expected = 0},
+                         {.absolute = true, .tolerance = 3}))
+                  .passed);
 }
 
 TEST_F(Evaluate, AValueThatIsNoNumberFails) {
   const CheckResult result =
-      judge({.name = "c", .of = "hinge.q", .reduce = "period", .expected = 1, .tolerance = 1e9});
+      judge(with({.name = "c", .of = "hinge.q", .reduce = "period", .expected = 1}, {.tolerance = 1e9}));
   EXPECT_TRUE(std::isnan(result.value));
   EXPECT_FALSE(result.passed);
 }
@@ -200,7 +204,7 @@ TEST_F(Evaluate, WrongChecksNameThemselvesAndTheRemedy) {
   expect_error({.name = "c", .of = "summary.lost_partcles"}, "lost_particles");
   expect_error({.name = "c", .of = "summary.status"}, "is no number");
   expect_error({.name = "c", .of = "hinge.q", .reduce = "men"}, "mean");
-  expect_error({.name = "c", .of = "hinge.q", .from = 7}, "from 7 s to the end");
+  expect_error(with({.name = "c", .of = "hinge.q"}, {.from = 7}), "from 7 s to the end");
 }
 
 }  // namespace
