@@ -43,7 +43,7 @@ struct EngineSetup {
   std::size_t indices = 0;
   // Micro steps of the longest window; the loads of each step are stored.
   std::uint32_t steps = 1;
-  Ranks* ranks = nullptr;  // the others that compute these spheres; CPU only; null: none
+  Ranks* ranks = nullptr;  // the others that compute these spheres; null: none
 };
 
 struct WindowPlan {

@@ -1,8 +1,7 @@
 // The engine's members for ranks (engine/rank_share.hpp). A rebuild of the lists begins with
 //
-//   redistribute: cells of the ranks, from the work of the spheres -> each sphere and its contacts to the
-//   rank
-//                 that will move it, and to those that will have it as a ghost (engine/travelling.hpp)
+//   redistribute: choose the cells of the ranks by the work of the spheres; send each sphere and its contacts
+//   to the rank that will move it, and to those that will have it as a ghost (engine/travelling.hpp)
 //
 // so that the rebuild finds arrays and old lists as though this rank had always had these spheres. It ends
 // with connect_ghosts. Each step ends with an exchange of the new state of the spheres that others have as

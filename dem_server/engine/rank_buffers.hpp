@@ -39,11 +39,11 @@ struct RankBuffers {
   Buffer<std::uint32_t> saved[2];  // both at the last save()
   Travellers out, in;
   Buffer<Travelling> count;      // of each sphere, then summed over all lower indices (n + 1)
-  Buffer<Travelling> total;      // (1)
   Buffer<std::uint32_t> flag;    // likewise (n + 1)
+  Buffer<Travelling> total;      // (1)
   Buffer<std::uint32_t> number;  // a few numbers on their way to the host
   Buffer<std::uint32_t> sent;    // ordinals on their way to other ranks
-  Buffer<PlacedWork> work;       // of each own sphere
+  Buffer<PlacedWork> work;       // of own spheres, some together
 
   // For the tangents of all ranks.
   Buffer<NearBody> near;

@@ -43,24 +43,23 @@ class CudaRankExchange {
   void connect(Exec& exec, const std::vector<GhostLink>& links, const Buffer& send) {
     begin();
     links_ = links;
-    letters_.links = static_cast<std::uint32_t>(links.size());
-    letters_.send = send.data();
-    letters_.ranks = ranks_->size(), letters_.rank = ranks_->rank();
-    letters_.sent = letters_.ghosts = 0;
+    messages_.send = send.data();
+    messages_.ranks = ranks_->size();
+    messages_.sent = messages_.ghosts = 0;
     for (const GhostLink& link : links) {
-      letters_.sent = std::max(letters_.sent, link.send.end);
-      letters_.ghosts += link.ghosts.end - link.ghosts.begin;
+      messages_.sent = std::max(messages_.sent, link.send.end);
+      messages_.ghosts += link.ghosts.end - link.ghosts.begin;
     }
-    if (letters_.number == nullptr) {
+    if (messages_.number == nullptr) {
       number_.resize(2);
-      letters_.number = number_.data();
+      messages_.number = number_.data();
     }
     peers_ ? open_peers(exec) : open_host_memory(exec);
   }
 
   template <class Exec>
   void refresh(Exec& exec, const View<Real>& view, std::uint32_t side) {
-    if (letters_.number == nullptr) return;  // before the first lists there are no ghosts
+    if (messages_.number == nullptr) return;  // before the first lists there are no ghosts
     pass(exec, view, nullptr, 0, side);
   }
   template <class Exec>
@@ -71,8 +70,8 @@ class CudaRankExchange {
 
  private:
   using Ghost = GhostState<Real, with_spin>;
-  using Outgoing = typename Letters<Real, with_spin>::Outgoing;
-  using Incoming = typename Letters<Real, with_spin>::Incoming;
+  using Outgoing = typename RankMessages<Real, with_spin>::Outgoing;
+  using Incoming = typename RankMessages<Real, with_spin>::Incoming;
   template <class T>
   using Buffer = particles::DeviceExec::Buffer<T>;
   static constexpr unsigned threads = 128, most_blocks = 528;
@@ -161,10 +160,10 @@ class CudaRankExchange {
 
   // Memory for messages of others: reports of all ranks for even and odd messages, then ghosts likewise.
   std::size_t ghosts_at(unsigned which) const {
-    return 2 * std::size_t{letters_.ranks} * sizeof(RankReport) + which * letters_.ghosts * sizeof(Ghost);
+    return 2 * std::size_t{messages_.ranks} * sizeof(RankReport) + which * messages_.ghosts * sizeof(Ghost);
   }
   std::size_t report_at(unsigned which, unsigned rank) const {
-    return (std::size_t{which} * letters_.ranks + rank) * sizeof(RankReport);
+    return (std::size_t{which} * messages_.ranks + rank) * sizeof(RankReport);
   }
 
   template <class Exec>
@@ -206,7 +205,7 @@ class CudaRankExchange {
     }
     tell_device(exec, incoming, outgoing, report_to);
     for (const unsigned which : {0u, 1u})
-      letters_.reports[which] = reinterpret_cast<RankReport*>(inbox_.data() + report_at(which, 0));
+      messages_.reports[which] = reinterpret_cast<RankReport*>(inbox_.data() + report_at(which, 0));
   }
   template <class Invitation>
   std::byte* open(const std::vector<Invitation>& invited, unsigned rank) {
@@ -218,7 +217,7 @@ class CudaRankExchange {
   template <class Exec>
   void open_host_memory(Exec& exec) {
     const std::size_t report = ghosts_at(2), out = report + sizeof(RankReport),
-                      bytes = out + letters_.sent * sizeof(Ghost);
+                      bytes = out + messages_.sent * sizeof(Ghost);
     if (bytes > pinned_bytes_) {
       wait(exec);
       cudaFreeHost(pinned_);
@@ -246,7 +245,7 @@ class CudaRankExchange {
     }
     tell_device(exec, incoming, outgoing, std::vector<RankReport*>(2 * ranks_->size(), own_report_));
     for (const unsigned which : {0u, 1u})
-      letters_.reports[which] = reinterpret_cast<RankReport*>(pinned_ + report_at(which, 0));
+      messages_.reports[which] = reinterpret_cast<RankReport*>(pinned_ + report_at(which, 0));
   }
 
   template <class Exec>
@@ -255,9 +254,9 @@ class CudaRankExchange {
     exec.upload(incoming_, std::span<const Incoming>(incoming));
     exec.upload(outgoing_, std::span<const Outgoing>(outgoing));
     exec.upload(report_to_, std::span<RankReport* const>(report_to));
-    letters_.incoming = incoming_.data(), letters_.outgoing = outgoing_.data();
+    messages_.incoming = incoming_.data(), messages_.outgoing = outgoing_.data();
     for (const unsigned which : {0u, 1u})
-      letters_.report_to[which] = report_to_.data() + which * ranks_->size();
+      messages_.report_to[which] = report_to_.data() + which * ranks_->size();
   }
 
   template <class Exec>
@@ -267,11 +266,11 @@ class CudaRankExchange {
       return std::clamp((n + threads - 1) / threads, 1u, most_blocks);
     };
     send_kernel<Real, with_spin>
-        <<<blocks(letters_.sent), threads, 0, exec.stream()>>>(view, letters_, gate, step_side, side);
+        <<<blocks(messages_.sent), threads, 0, exec.stream()>>>(view, messages_, gate, step_side, side);
     check_cuda(cudaGetLastError(), "sending ghosts");
     if (!peers_ && !swap_through_host(exec)) return;
     receive_kernel<Real, with_spin>
-        <<<blocks(letters_.ghosts), threads, 0, exec.stream()>>>(view, letters_, gate, step_side, side);
+        <<<blocks(messages_.ghosts), threads, 0, exec.stream()>>>(view, messages_, gate, step_side, side);
     check_cuda(cudaGetLastError(), "receiving ghosts");
   }
   // False where the step has not begun, which is so on all ranks.
@@ -306,7 +305,7 @@ class CudaRankExchange {
   Ranks* ranks_;
   bool peers_ = false;
   std::vector<GhostLink> links_;
-  Letters<Real, with_spin> letters_;
+  RankMessages<Real, with_spin> messages_;
   Buffer<Incoming> incoming_;
   Buffer<Outgoing> outgoing_;
   Buffer<RankReport*> report_to_;

@@ -24,12 +24,11 @@ using namespace tandem;
 
 constexpr double spacing = 0.0202;  // [m]
 
-// `wide`: of the box, in widths of the block.
+// `side`: spheres across the block in y and z. `wide`: of the box, in widths of the block.
 std::string bed(std::int64_t spheres, std::int64_t side, double wide) {
-  const double y = spacing * static_cast<double>(side),
-               layers = std::ceil(std::pow(static_cast<double>(side), 1.0)), z = spacing * layers,
-               x = spacing * std::ceil(static_cast<double>(spheres) / (static_cast<double>(side) * layers)),
-               end = wide * x;
+  const auto across = static_cast<double>(side);
+  const double y = spacing * across, z = y,
+               x = spacing * std::ceil(static_cast<double>(spheres) / (across * across)), end = wide * x;
   const auto plane = [](const char* name, const std::string& point, const std::string& normal) {
     return fmt::format(
         R"({{"name": "{}", "material": "glass", "shape": {{"type": "plane", "point": [{}], "normal": [{}]}}}})",
