@@ -6,11 +6,11 @@
 #           the plug-ins of Cyclone DDS for DDS Security, which it opens by name (protocol/dds/certificates.cpp)
 #   include/  headers of the participant kit
 #   share/  tandem/{scenes, report.py, liquid_surface.py, schema.json, templates, fortran, README.md, docs and what else they link to}
-# Programs find lib/ and share/ from where they are themselves (data_folder() in launch/report).
+# Programs find lib/ and share/ from where they are themselves (data_folder() in coordinator/report).
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../lib")
 find_program(TANDEM_PATCHELF patchelf)
 
-install(FILES ${PROJECT_SOURCE_DIR}/launch/report/report.py ${PROJECT_SOURCE_DIR}/launch/report/liquid_surface.py
+install(FILES ${PROJECT_SOURCE_DIR}/coordinator/report/report.py ${PROJECT_SOURCE_DIR}/coordinator/report/liquid_surface.py
               ${PROJECT_SOURCE_DIR}/common/scene/schema.json
         DESTINATION share/tandem)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/launch/scenes/ DESTINATION share/tandem/scenes)

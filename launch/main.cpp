@@ -11,7 +11,7 @@
 #include "common/scene/parse.hpp"
 #include "common/stack_limit.hpp"
 #include "common/utf8.hpp"
-#include "launch/build_info.hpp"
+#include "coordinator/start/build_info.hpp"
 #include "launch/verbs/verbs.hpp"
 #include "protocol/version.hpp"
 

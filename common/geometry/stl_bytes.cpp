@@ -5,7 +5,7 @@
 namespace tandem {
 
 std::string stl_bytes(const TriangleMesh& mesh) {
-  // 80 bytes of text, the number of triangles, 50 bytes for each (launch/mesh_import/stl_file.hpp).
+  // 80 bytes of text, the number of triangles, 50 bytes for each (coordinator/mesh_import/stl_file.hpp).
   std::string bytes(80, ' ');
   bytes.reserve(84 + 50 * mesh.triangles.size());
   const auto put = [&](const auto& value) {

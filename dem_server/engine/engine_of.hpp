@@ -7,11 +7,8 @@
 //            -> fill -> make current -> sort the single-buffered arrays
 //
 // Exec runs the loops over spheres (backend/concept.hpp). engine/engine_memory.hpp allocates the arrays.
-// engine/engine_spheres.hpp has the members for single spheres, engine/engine_tangents.hpp those for the
-// tangents of contacts with bodies, engine/engine_contacts.hpp those for the contacts of spheres in frames,
-// engine/engine_sums.hpp those for the sums of walls and of
-// dissipated energy, engine/engine_ranks.hpp those for several ranks, engine/engine_whole_state.hpp those for
-// the state of all of them.
+// The other members are in the headers that engine/engine_members.hpp lists, which whoever makes an engine
+// includes.
 #pragma once
 
 #include <algorithm>
@@ -546,10 +543,3 @@ void EngineOf<Exec, Law, Real>::adapt_to_state() {
 }
 
 }  // namespace tandem::dem
-
-#include "dem_server/engine/engine_contacts.hpp"
-#include "dem_server/engine/engine_ranks.hpp"
-#include "dem_server/engine/engine_spheres.hpp"
-#include "dem_server/engine/engine_sums.hpp"
-#include "dem_server/engine/engine_tangents.hpp"
-#include "dem_server/engine/engine_whole_state.hpp"

@@ -11,12 +11,12 @@
 #include "common/file_draft.hpp"
 #include "common/log.hpp"
 #include "common/scene/nearest_name.hpp"
+#include "coordinator/run_folder/claimed_folder.hpp"
+#include "coordinator/scene/scene_file.hpp"
+#include "coordinator/start/processes.hpp"
+#include "coordinator/start/server_command.hpp"
 #include "launch/conform/judge.hpp"
 #include "launch/conform/report.hpp"
-#include "launch/coordinator/processes.hpp"
-#include "launch/coordinator/scene_file.hpp"
-#include "launch/coordinator/server_command.hpp"
-#include "launch/run_folder/claimed_folder.hpp"
 #include "protocol/fd.hpp"
 
 namespace tandem::conform {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/utf8.hpp"
-#include "launch/build_info.hpp"
+#include "coordinator/start/build_info.hpp"
 #include "protocol/registration.hpp"
 
 namespace tandem::conform {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "coordinator/start/processes.hpp"
 #include "launch/conform/check.hpp"
 #include "launch/conform/raw_end.hpp"
 #include "launch/conform/sample.hpp"
-#include "launch/coordinator/processes.hpp"
 #include "protocol/checks.hpp"
 #include "protocol/facts.hpp"
 

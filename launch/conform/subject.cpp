@@ -4,8 +4,8 @@
 #include <fstream>
 
 #include "common/utf8.hpp"
-#include "launch/coordinator/processes.hpp"
-#include "launch/coordinator/watched_channel.hpp"
+#include "coordinator/start/processes.hpp"
+#include "coordinator/start/watched_channel.hpp"
 #include "protocol/endpoint.hpp"
 #include "protocol/shm/shm_channel.hpp"
 #include "protocol/stream/stream_channel.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "launch/coordinator/server_command.hpp"
+#include "coordinator/start/server_command.hpp"
 #include "protocol/channel.hpp"
 #include "protocol/messages.hpp"
 

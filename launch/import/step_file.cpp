@@ -4,8 +4,8 @@
 
 #include "common/error.hpp"
 #include "common/input_file.hpp"
+#include "coordinator/mesh_import/mesh_import.hpp"
 #include "launch/import/step_child.hpp"
-#include "launch/mesh_import/mesh_import.hpp"
 
 namespace tandem::launch {
 namespace {

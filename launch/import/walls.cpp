@@ -6,7 +6,7 @@
 
 #include "common/error.hpp"
 #include "common/scene/nearest_name.hpp"
-#include "launch/mesh_import/mesh_import.hpp"
+#include "coordinator/mesh_import/mesh_import.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "launch/mesh_import/mesh_facts.hpp"
+#include "coordinator/mesh_import/mesh_facts.hpp"
 
 namespace tandem::launch {
 

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "common/geometry/triangle_tree.hpp"
-#include "launch/mesh_import/mesh_facts.hpp"
+#include "coordinator/mesh_import/mesh_facts.hpp"
 #include "launch/mesh_tools/closed_parts.hpp"
 #include "launch/mesh_tools/fill_openings.hpp"
 #include "launch/mesh_tools/mesh_edges.hpp"

@@ -12,7 +12,7 @@
 
 #include "common/error.hpp"
 #include "common/utf8.hpp"
-#include "launch/report/data_folder.hpp"
+#include "coordinator/report/data_folder.hpp"
 
 namespace tandem::launch {
 namespace {

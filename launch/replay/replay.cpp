@@ -7,11 +7,11 @@
 #include <thread>
 
 #include "common/log.hpp"
+#include "coordinator/start/build_info.hpp"
+#include "coordinator/start/processes.hpp"
+#include "coordinator/start/server_command.hpp"
+#include "coordinator/start/watched_channel.hpp"
 #include "dem_server/coupling/make_solver.hpp"
-#include "launch/build_info.hpp"
-#include "launch/coordinator/processes.hpp"
-#include "launch/coordinator/server_command.hpp"
-#include "launch/coordinator/watched_channel.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/participant/serve.hpp"

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "common/error.hpp"
+#include "coordinator/scene/scene_spheres.hpp"
 #include "dem_server/laws/step_limits.hpp"
-#include "launch/coordinator/scene_spheres.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "launch/coordinator/scene_file.hpp"
+#include "coordinator/scene/scene_file.hpp"
 #include "launch/sizing/cost_model.hpp"
 
 namespace tandem::launch {

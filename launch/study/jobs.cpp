@@ -9,7 +9,7 @@
 
 #include "common/error.hpp"
 #include "common/interrupt.hpp"
-#include "launch/report/tool.hpp"
+#include "coordinator/report/tool.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "common/error.hpp"
-#include "launch/results/reduction.hpp"
+#include "coordinator/results/reduction.hpp"
 
 namespace tandem::launch {
 namespace {

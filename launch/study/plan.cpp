@@ -14,7 +14,7 @@
 #include "common/scene/parse.hpp"
 #include "common/time.hpp"
 #include "common/utf8.hpp"
-#include "launch/coordinator/scene_paths.hpp"
+#include "coordinator/scene/scene_paths.hpp"
 #include "launch/study/explicit_method.hpp"
 
 namespace tandem::launch {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "launch/verdict/status.hpp"
+#include "coordinator/verdict/status.hpp"
 
 namespace tandem::launch {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "coordinator/verdict/status.hpp"
 #include "launch/study/explicit_method.hpp"
-#include "launch/verdict/status.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -15,15 +15,15 @@
 #include "common/scene/nearest_name.hpp"
 #include "common/scene/parse.hpp"
 #include "common/utf8.hpp"
-#include "launch/coordinator/server_command.hpp"
-#include "launch/report/data_folder.hpp"
-#include "launch/report/tool.hpp"
-#include "launch/run_folder/claimed_folder.hpp"
-#include "launch/run_folder/run_state.hpp"
+#include "coordinator/report/data_folder.hpp"
+#include "coordinator/report/tool.hpp"
+#include "coordinator/run_folder/claimed_folder.hpp"
+#include "coordinator/run_folder/run_state.hpp"
+#include "coordinator/start/server_command.hpp"
+#include "coordinator/verdict/status.hpp"
 #include "launch/study/jobs.hpp"
 #include "launch/study/reading_text.hpp"
 #include "launch/study/table.hpp"
-#include "launch/verdict/status.hpp"
 
 namespace tandem::launch {
 namespace {

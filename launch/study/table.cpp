@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "common/file_draft.hpp"
-#include "launch/run_folder/run_state.hpp"
+#include "coordinator/run_folder/run_state.hpp"
+#include "coordinator/verdict/status.hpp"
 #include "launch/study/jobs.hpp"
-#include "launch/verdict/status.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "common/error.hpp"
-#include "launch/report/data_folder.hpp"
+#include "coordinator/report/data_folder.hpp"
 
 namespace tandem::launch {
 

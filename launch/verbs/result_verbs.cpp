@@ -2,9 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "launch/coordinator/show.hpp"
-#include "launch/run_folder/ps.hpp"
-#include "launch/run_folder/registry.hpp"
+#include "coordinator/run_folder/ps.hpp"
+#include "coordinator/run_folder/registry.hpp"
+#include "coordinator/scene/show.hpp"
 #include "launch/verbs/options.hpp"
 #include "launch/verbs/verbs.hpp"
 

@@ -5,15 +5,15 @@
 #include "common/error.hpp"
 #include "common/scene/columns.hpp"
 #include "common/seconds.hpp"
-#include "launch/coordinator/describe.hpp"
-#include "launch/coordinator/dry_run.hpp"
-#include "launch/coordinator/machine_modes.hpp"
-#include "launch/coordinator/run.hpp"
-#include "launch/coordinator/scene_file.hpp"
-#include "launch/coordinator/show.hpp"
+#include "coordinator/run/describe.hpp"
+#include "coordinator/run/dry_run.hpp"
+#include "coordinator/run/run.hpp"
+#include "coordinator/scene/scene_file.hpp"
+#include "coordinator/scene/show.hpp"
 #include "launch/import/import.hpp"
 #include "launch/verbs/options.hpp"
 #include "launch/verbs/verbs.hpp"
+#include "mbd_server/coupling/machine_modes.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -147,7 +147,13 @@ void add_modes(CLI::App& app) {
       "about the equilibrium near it");
   auto overrides = std::make_shared<Overrides>();
   add_set(*verb, overrides->set);
-  verb->callback([=] { fmt::print("{}", machine_modes(read_scene(*scene, *overrides), *as_given)); });
+  verb->callback([=] {
+    const SceneFile file = read_scene(*scene, *overrides);
+    if (!file.scene.mbd)
+      throw Error(ErrorCode::usage, "the scene has no machine", file.origin,
+                  "give a scene with the part mbd");
+    fmt::print("{}", mbd::machine_modes(file.scene, *as_given));
+  });
 }
 
 void add_import(CLI::App& app) {

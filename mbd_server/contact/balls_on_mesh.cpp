@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbd_server/contact/features.hpp"
 #include "mbd_server/contact/mesh_back.hpp"
-#include "mbd_server/contact/mesh_features.hpp"
 #include "mbd_server/contact/rim.hpp"
 
 namespace tandem::mbd {

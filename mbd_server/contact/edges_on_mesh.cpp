@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mbd_server/contact/mesh_features.hpp"
+#include "mbd_server/contact/features.hpp"
 #include "mbd_server/contact/mesh_search.hpp"
 
 namespace tandem::mbd {

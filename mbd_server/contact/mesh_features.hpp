@@ -12,28 +12,6 @@
 
 namespace tandem::mbd {
 
-// Families and numbers of codes (ContactFeature::code), with 24 bits for each of two numbers.
-enum class Family : std::int64_t {
-  corner = 0,
-  end_a,
-  end_b,
-  lines,
-  face_a,
-  face_b,
-  hull,
-  on_mesh,
-  mesh_corner
-};
-inline std::int64_t code_of(Family family, std::int64_t first, std::int64_t second = 0) {
-  return (static_cast<std::int64_t>(family) << 48) | (first << 24) | second;
-}
-
-// Two lines whose angle has a sine below this count as parallel.
-inline constexpr double parallel = 0.05;
-// An edge, and a corner on a capsule, touch where the other body is in front of the surfaces that meet there,
-// to the sine of this angle: a body that lies flat on a surface tilts a little to either side.
-inline constexpr double tilt_of_edge = 0.17;
-
 // As find_features(); b is the mesh. For each ball near the mesh there is a `watch`, and the features of the
 // ball itself, with on_mesh.
 void find_mesh_features(const Model& model, int a, int b, const std::vector<LinkMotion>& links, double reach,

@@ -8,7 +8,7 @@
 // (|C - q| - R) / |n| to first order.
 #pragma once
 
-#include "mbd_server/contact/touch.hpp"
+#include "mbd_server/contact/touch_point.hpp"
 
 namespace tandem::mbd {
 

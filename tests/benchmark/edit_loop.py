@@ -20,9 +20,9 @@ CHANGES = {
     "pair term of the liquid": ("sph_server/equations/pair_terms.hpp", ["sph_equations_test"], ["sph_equations_test"], 60),
     "force element": ("mbd_server/forces/spring_damper.cpp", ["mbd_unit"], ["mbd_unit"], 60),
     "scene key": ("common/scene/model.hpp", ["scene_test"], ["scene_test"], 180),
-    "verdict rule": ("launch/verdict/particle_rules.cpp", ["coordinator_tests"],
+    "verdict rule": ("coordinator/verdict/particle_rules.cpp", ["coordinator_tests"],
                      ["coordinator_tests --gtest_filter=Verdict.*:*EachRule*:Status.*"], 60),
-    "coordinator": ("launch/coordinator/schemes.cpp", ["coordinator_tests"],
+    "coordinator": ("coordinator/schemes/schemes.cpp", ["coordinator_tests"],
                     ["coordinator_tests --gtest_filter=Schemes.*:*Order*"], 60),
     "python": ("python/tandem/spheres.py", [], ["ctest -R spheres_test|python.(Layout|Helpers)"], 60),
 }

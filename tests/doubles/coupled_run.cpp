@@ -1,7 +1,7 @@
 #include "tests/doubles/coupled_run.hpp"
 
 #include "common/log.hpp"
-#include "launch/coordinator/needs.hpp"
+#include "coordinator/start/needs.hpp"
 #include "protocol/inproc/inproc_channel.hpp"
 #include "protocol/participant/serve.hpp"
 #include "protocol/shm/shm_channel.hpp"

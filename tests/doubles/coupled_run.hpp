@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "launch/coordinator/coupler.hpp"
+#include "coordinator/window/coupler.hpp"
 #include "protocol/participant/solver.hpp"
 #include "protocol/waiting.hpp"
 

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 """Reads every #include of the repository and reports those that break the dependency rule.
 
-common <- protocol <- {mbd_server, dem_server, sph_server} <- launch, common <- particles <- {dem_server, sph_server, participant}, and participant <- launch: a part
+common <- protocol <- {mbd_server, dem_server, sph_server} <- coordinator <- launch, common <- particles <- {dem_server, sph_server, participant}, and participant <- launch: a part
 includes itself and the parts to its left. Tests include all.
-In a server only coupling/ and main.cpp include protocol/, in particles only serving/. In a server and in particles each folder is a layer that includes only itself
+In a server only coupling/ and main.cpp include protocol/, in particles only serving/. In a server, in particles and in coordinator each folder is a layer that includes only itself
 and the layers below it. CUDA headers appear only in CUDA sources. No two modules include each other; a module is a header and the source
 of its name.
 common knows neither Boost nor DDS. Our own files are included by their path from the root, in quotes; test helpers may be
 included by name.
 
 usage: includes.py ROOT            exit status 1 and one line FILE:LINE per offence
-       includes.py --edges ROOT    the edges between the folders of particles and of each server, those that no order of layers avoids, and the circles
+       includes.py --edges ROOT    the edges between the folders of particles, of each server and of the coordinator, those that no order of layers avoids, and the circles
 """
 import itertools
 import pathlib
@@ -26,17 +26,21 @@ BELOW = {
     "dem_server": {"common", "protocol", "particles"},
     "sph_server": {"common", "protocol", "particles"},
     "participant": {"common", "protocol", "particles"},
-    "launch": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server"},
-    "tests": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server", "participant", "launch"},
+    "coordinator": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server"},
+    "launch": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server", "coordinator"},
+    "tests": {"common", "protocol", "mbd_server", "particles", "dem_server", "sph_server", "participant", "coordinator", "launch"},
 }
-# The layers of particles and of each server, from the lowest up.
+# The layers of particles, of each server and of the coordinator, from the lowest up.
 LAYERS = {
     "mbd_server": ["spatial", "state", "joints", "model", "kinematics", "constraints", "forces", "contact", "setup", "solve", "step", "time_stepping", "io",
                    "coupling", "main.cpp"],
     "particles": ["base", "geometry", "grid", "io", "state", "backend", "serving"],
     "dem_server": ["laws", "contact", "neighbours", "step", "backend", "engine", "coupling", "main.cpp"],
+    "coordinator": ["mesh_import", "results", "verdict", "run_folder", "report", "scene", "schemes", "watch", "accounts", "start", "window", "run"],
     "sph_server": ["kernel", "equations", "neighbours", "step", "backend", "engine", "io", "coupling", "main.cpp"],
 }
+# What the coordinator and launch use of a server: its participant, and limits of steps (of contact laws, of a liquid).
+ANSWERS = ("coupling", "laws", "equations")
 # What the participant kit uses of particles: the spheres of a scene at the start, and paths of bodies.
 KIT = ["base", "geometry", "io"]
 SOURCES = {".hpp", ".cpp", ".h", ".c", ".cu", ".cuh", ".def", ".idl"}
@@ -78,10 +82,12 @@ def offence(root, path, quote, target):
             return "our own files are included in quotes"
         if target_part != part and target_part not in BELOW[part]:
             return f"{part} must not include {target_part}"
+        if part in ("coordinator", "launch") and target_part.endswith("_server") and pathlib.PurePath(target).parts[1] not in ANSWERS:
+            return f"{part} uses the layers " + ", ".join(ANSWERS) + " of servers only"
         if part == "participant" and target_part == "particles" and pathlib.PurePath(target).parts[1] not in KIT:
             return "participant uses the layers " + ", ".join(KIT) + " of particles only"
         above = ("serving",) if part == "particles" else ("coupling", "main.cpp")
-        if part in LAYERS and target_part == "protocol" and path.parts[1] not in above:
+        if part in LAYERS and part != "coordinator" and target_part == "protocol" and path.parts[1] not in above:
             return f"in {part} only " + " and ".join(above) + " may include protocol/"
         if part in LAYERS and target_part == part:
             return upward(part, path.parts[1], pathlib.PurePath(target).parts[1])
@@ -94,30 +100,15 @@ def offence(root, path, quote, target):
     return None
 
 
-# Pairs of modules that still include each other: parts of one class in several headers, and features of contact.
-MUTUAL = {
-    ("dem_server/engine/engine_contacts", "dem_server/engine/engine_of"),
-    ("dem_server/engine/engine_of", "dem_server/engine/engine_ranks"),
-    ("dem_server/engine/engine_of", "dem_server/engine/engine_spheres"),
-    ("dem_server/engine/engine_of", "dem_server/engine/engine_sums"),
-    ("dem_server/engine/engine_of", "dem_server/engine/engine_tangents"),
-    ("dem_server/engine/engine_of", "dem_server/engine/engine_whole_state"),
-    ("mbd_server/contact/balls_on_mesh", "mbd_server/contact/mesh_features"),
-    ("mbd_server/contact/rim", "mbd_server/contact/touch"),
-}
-
-
 def module(path):
     """Path without the suffix."""
     return str(pathlib.PurePath(path).with_suffix(""))
 
 
-def mutual_offences(root, edges):
-    """`edges`: (module, included module) -> "FILE:LINE: #include ...". A pair of MUTUAL that is none any more has to go from the list."""
+def mutual_offences(edges):
+    """`edges`: (module, included module) -> "FILE:LINE: #include ..."."""
     pairs = {tuple(sorted(edge)) for edge in edges if edge[::-1] in edges}
-    found = [f"{edges[a, b]}: {b} includes {a} too ({edges[b, a].split(': ')[0]})" for a, b in sorted(pairs - MUTUAL)]
-    stale = sorted((a, b) for a, b in MUTUAL - pairs if (root / f"{a}.hpp").is_file() or (root / f"{a}.cpp").is_file())
-    return found + [f"{a} and {b} no longer include each other: take them from MUTUAL" for a, b in stale]
+    return [f"{edges[a, b]}: {b} includes {a} too ({edges[b, a].split(': ')[0]})" for a, b in sorted(pairs)]
 
 
 def offences(root):
@@ -138,7 +129,7 @@ def offences(root):
                 why = offence(root, relative, *match.groups())
                 if why:
                     found.append(f"{relative}:{number}: {line.strip()}: {why}")
-    return found + mutual_offences(root, edges), count
+    return found + mutual_offences(edges), count
 
 
 def edges(root, part):

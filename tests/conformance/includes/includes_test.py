@@ -32,6 +32,7 @@ class Includes(unittest.TestCase):
         self.caught("common/x.hpp", '#include "protocol/b.hpp"', "common must not include protocol")
         self.caught("protocol/x.cpp", '#include "mbd_server/solve/c.hpp"', "protocol must not include mbd_server")
         self.caught("dem_server/coupling/x.cpp", '#include "launch/f.hpp"', "dem_server must not include launch")
+        self.caught("coordinator/run/x.cpp", '#include "launch/f.hpp"', "coordinator must not include launch")
         self.caught("launch/x.cpp", '#include "tests/x.hpp"', "launch must not include tests")
 
     def test_server_to_server(self):
@@ -49,6 +50,11 @@ class Includes(unittest.TestCase):
         self.caught("participant/x.cpp", '#include "dem_server/contact/d.hpp"', "participant must not include dem_server")
         for part in ("dem_server/laws", "dem_server/coupling", "participant", "launch"):
             self.passes(part + "/x.cpp", '#include "particles/io/h.hpp"')
+
+    def test_what_a_server_answers(self):
+        self.caught("coordinator/run/x.cpp", '#include "mbd_server/solve/c.hpp"', "coordinator uses the layers coupling, laws, equations of servers only")
+        self.caught("launch/x.cpp", '#include "dem_server/contact/d.hpp"', "launch uses the layers coupling, laws, equations of servers only")
+        self.passes("coordinator/run/x.cpp", '#include "dem_server/coupling/e.hpp"')
 
     def test_protocol_inside_a_server(self):
         why = "in {} only coupling and main.cpp may include protocol/"
@@ -103,6 +109,7 @@ class Includes(unittest.TestCase):
         self.passes("protocol/x.cpp", '#include "protocol/version.hpp"')
         self.passes("protocol/x.cpp", '#include "wire.h"')
         self.passes("protocol/x.cpp", '#include "list.inc"')
+        self.passes("coordinator/run/x.cpp", '#include "protocol/b.hpp"')
         self.passes("tests/unit/x.cpp", '#include "helper.hpp"')
 
     def test_lawful(self):

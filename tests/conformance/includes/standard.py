@@ -11,7 +11,7 @@ import sys
 HEADER_OF = {"array": "array", "filesystem": "filesystem", "function": "functional", "map": "map", "optional": "optional", "set": "set",
              "shared_ptr": "memory", "span": "span", "string": "string", "string_view": "string_view", "unique_ptr": "memory",
              "variant": "variant", "vector": "vector"}
-PARTS = ("common", "protocol", "mbd_server", "particles", "dem_server", "sph_server", "participant", "launch")
+PARTS = ("common", "protocol", "mbd_server", "particles", "dem_server", "sph_server", "participant", "coordinator", "launch")
 INCLUDE = re.compile(r'#include [<"]([^>"]+)[>"]')
 
 

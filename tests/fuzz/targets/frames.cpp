@@ -1,12 +1,12 @@
 // The HDF5 files of a run, from which its picture is drawn. They have no digest, so that they may contain
 // anything.
-#include "launch/report/frame.hpp"
+#include "coordinator/report/frame.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "launch/results/results.hpp"
-#include "launch/results/series/hdf5.hpp"
+#include "coordinator/results/results.hpp"
+#include "coordinator/results/series/hdf5.hpp"
 #include "tests/fuzz/arrays.hpp"
 #include "tests/fuzz/files.hpp"
 #include "tests/fuzz/targets/targets.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "launch/mesh_import/mesh_facts.hpp"
-#include "launch/mesh_import/mesh_import.hpp"
+#include "coordinator/mesh_import/mesh_facts.hpp"
+#include "coordinator/mesh_import/mesh_import.hpp"
 #include "tests/fuzz/files.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 

@@ -6,7 +6,7 @@
 #include "common/error.hpp"
 #include "common/scene/parse.hpp"
 #include "common/utf8.hpp"
-#include "launch/coordinator/scene_file.hpp"
+#include "coordinator/scene/scene_file.hpp"
 #include "tests/fuzz/files.hpp"
 #include "tests/fuzz/targets/shipped.hpp"
 #include "tests/fuzz/targets/targets.hpp"

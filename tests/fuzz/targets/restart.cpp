@@ -6,8 +6,8 @@
 
 #include "common/scene/parse.hpp"
 #include "common/state_file.hpp"
+#include "coordinator/window/checkpoint.hpp"
 #include "dem_server/coupling/make_solver.hpp"
-#include "launch/coordinator/checkpoint.hpp"
 #include "mbd_server/coupling/make_solver.hpp"
 #include "tests/fuzz/arrays.hpp"
 #include "tests/fuzz/files.hpp"

@@ -1,8 +1,8 @@
 // The files that `tandem ps` and studies read of other users' runs: the marker and the summary. A run must
 // always have a status.
 #include "common/error.hpp"
-#include "launch/run_folder/own_files.hpp"
-#include "launch/run_folder/run_state.hpp"
+#include "coordinator/run_folder/own_files.hpp"
+#include "coordinator/run_folder/run_state.hpp"
 #include "tests/fuzz/files.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 

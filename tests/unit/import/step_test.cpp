@@ -6,10 +6,10 @@
 #include <fstream>
 #include <numbers>
 
+#include "coordinator/mesh_import/mesh_facts.hpp"
 #include "launch/import/model_format.hpp"
 #include "launch/import/step_child.hpp"
 #include "launch/import/step_scene.hpp"
-#include "launch/mesh_import/mesh_facts.hpp"
 #include "tests/unit/import/model_folder.hpp"
 
 namespace tandem::launch {

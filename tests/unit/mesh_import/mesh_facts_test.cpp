@@ -1,4 +1,4 @@
-#include "launch/mesh_import/mesh_facts.hpp"
+#include "coordinator/mesh_import/mesh_facts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "launch/mesh_import/mesh_import.hpp"
+#include "coordinator/mesh_import/mesh_import.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "launch/report/camera.hpp"
+#include "coordinator/report/camera.hpp"
 
 #include <gtest/gtest.h>
 

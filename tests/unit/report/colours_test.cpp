@@ -1,5 +1,5 @@
 // Colours of pictures can be told apart, and the ends of a colour bar follow from the values.
-#include "launch/report/colours.hpp"
+#include "coordinator/report/colours.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Ropes and cylinders are drawn between the points of their bodies where these are in the last frame.
-#include "launch/report/element_rods.hpp"
+#include "coordinator/report/element_rods.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Data read for the picture are consistent, or refused with the file and the numbers.
-#include "launch/report/frame.hpp"
+#include "coordinator/report/frame.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "common/error.hpp"
-#include "launch/results/series/hdf5.hpp"
+#include "coordinator/results/series/hdf5.hpp"
 
 namespace tandem::launch {
 namespace {

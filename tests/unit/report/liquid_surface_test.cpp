@@ -1,4 +1,4 @@
-#include "launch/report/liquid_surface.hpp"
+#include "coordinator/report/liquid_surface.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

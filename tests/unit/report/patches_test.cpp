@@ -1,6 +1,6 @@
 // Smooth parts of surfaces, and what they hide: a container is transparent, what is in it or beside it is
 // not.
-#include "launch/report/patches.hpp"
+#include "coordinator/report/patches.hpp"
 
 #include <gtest/gtest.h>
 

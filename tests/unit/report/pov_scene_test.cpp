@@ -1,5 +1,5 @@
 // What POV-Ray receives: names stay text whatever they contain, a camera that stands still shows every frame.
-#include "launch/report/pov_scene.hpp"
+#include "coordinator/report/pov_scene.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <sstream>
 
 #include "common/error.hpp"
-#include "launch/report/camera.hpp"
-#include "launch/report/movie.hpp"
-#include "launch/report/preview.hpp"
-#include "launch/results/body_meshes.hpp"
+#include "coordinator/report/camera.hpp"
+#include "coordinator/report/movie.hpp"
+#include "coordinator/report/preview.hpp"
+#include "coordinator/results/body_meshes.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -1,5 +1,5 @@
 // Names and places of what a scene has besides its bodies, and the direction of belts.
-#include "launch/report/regions.hpp"
+#include "coordinator/report/regions.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "launch/report/data_folder.hpp"
-#include "launch/report/report.hpp"
+#include "coordinator/report/data_folder.hpp"
+#include "coordinator/report/report.hpp"
 
 namespace tandem::launch {
 namespace {

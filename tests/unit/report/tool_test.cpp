@@ -1,4 +1,4 @@
-#include "launch/report/tool.hpp"
+#include "coordinator/report/tool.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-#include "launch/report/wireframe.hpp"
+#include "coordinator/report/wireframe.hpp"
 
 #include <gtest/gtest.h>
 

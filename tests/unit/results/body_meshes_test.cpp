@@ -1,4 +1,4 @@
-#include "launch/results/body_meshes.hpp"
+#include "coordinator/results/body_meshes.hpp"
 
 #include <numbers>
 

@@ -1,4 +1,4 @@
-#include "launch/results/checks.hpp"
+#include "coordinator/results/checks.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
-#include "launch/results/reduction.hpp"
+#include "coordinator/results/reduction.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
 namespace tandem::launch {

@@ -1,7 +1,7 @@
-#include "launch/results/results.hpp"
+#include "coordinator/results/results.hpp"
 
 #include "common/error.hpp"
-#include "launch/results/series/hdf5.hpp"
+#include "coordinator/results/series/hdf5.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
 namespace tandem::launch {

@@ -5,10 +5,10 @@
 #include <cstdlib>
 
 #include "common/error.hpp"
-#include "launch/results/results.hpp"
-#include "launch/results/series/frame_file.hpp"
-#include "launch/results/series/hdf5.hpp"
-#include "launch/results/series/particle_series.hpp"
+#include "coordinator/results/results.hpp"
+#include "coordinator/results/series/frame_file.hpp"
+#include "coordinator/results/series/hdf5.hpp"
+#include "coordinator/results/series/particle_series.hpp"
 #include "tests/unit/results/toy_run.hpp"
 
 namespace tandem::launch {

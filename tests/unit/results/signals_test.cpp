@@ -1,4 +1,4 @@
-#include "launch/results/signals.hpp"
+#include "coordinator/results/signals.hpp"
 
 #include <sys/resource.h>
 #include <sys/wait.h>

@@ -1,6 +1,6 @@
 // What the coordinator sees in a run of a participant that does not apply, or does not give, all of the load,
 // whatever that participant reports.
-#include "launch/coordinator/body_momentum.hpp"
+#include "coordinator/accounts/body_momentum.hpp"
 
 #include <gtest/gtest.h>
 

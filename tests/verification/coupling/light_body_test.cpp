@@ -9,7 +9,7 @@
 
 #include "common/log.hpp"
 #include "common/scene/parse.hpp"
-#include "launch/coordinator/schemes.hpp"
+#include "coordinator/schemes/schemes.hpp"
 #include "mbd_server/coupling/mbd_solver.hpp"
 #include "sph_server/coupling/load_solver.hpp"
 #include "tests/doubles/coupled_run.hpp"

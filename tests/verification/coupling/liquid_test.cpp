@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "launch/coordinator/liquid_map.hpp"
-#include "launch/coordinator/schemes.hpp"
+#include "coordinator/schemes/liquid_map.hpp"
+#include "coordinator/schemes/schemes.hpp"
 #include "tests/doubles/coupled_oscillator.hpp"
 
 namespace tandem::test {

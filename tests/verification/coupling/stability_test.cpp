@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "launch/coordinator/schemes.hpp"
-#include "launch/coordinator/window_map.hpp"
+#include "coordinator/schemes/schemes.hpp"
+#include "coordinator/schemes/window_map.hpp"
 #include "tests/doubles/coupled_oscillator.hpp"
 
 namespace tandem::test {

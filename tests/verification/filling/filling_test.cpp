@@ -12,8 +12,8 @@
 
 #include "common/geometry/mass_properties.hpp"
 #include "common/scene/particle_file.hpp"
+#include "coordinator/scene/scene_file.hpp"
 #include "dem_server/coupling/make_solver.hpp"
-#include "launch/coordinator/scene_file.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -12,7 +12,7 @@
 #include <functional>
 #include <numbers>
 
-#include "launch/coordinator/scene_file.hpp"
+#include "coordinator/scene/scene_file.hpp"
 #include "mbd_server/model/periodic_curve.hpp"
 #include "tests/verification/mbd/comparison.hpp"
 #include "tests/verification/mbd/recorded_run.hpp"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene/motion_function.hpp"
-#include "launch/coordinator/scene_file.hpp"
+#include "coordinator/scene/scene_file.hpp"
 #include "tests/verification/mbd/whole_run.hpp"
 
 namespace tandem::mbd {

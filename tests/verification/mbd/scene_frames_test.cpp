@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "common/error.hpp"
-#include "launch/coordinator/scene_file.hpp"
+#include "coordinator/scene/scene_file.hpp"
 #include "tests/support/rigid_motion.hpp"
 #include "tests/verification/mbd/recorded_run.hpp"
 

@@ -16,7 +16,7 @@
 #include <numbers>
 
 #include "common/scene/motion_function.hpp"
-#include "launch/coordinator/scene_file.hpp"
+#include "coordinator/scene/scene_file.hpp"
 #include "mbd_server/solve/equilibrium.hpp"
 #include "mbd_server/solve/modes.hpp"
 #include "tests/verification/mbd/comparison.hpp"
