@@ -236,63 +236,39 @@ void visit(auto& io, Either<Report> auto& v) {
   io.array(v.facts);
 }
 
-template <class T>
-void write(Bytes& out, const T& value) {
+}  // namespace
+
+template <class Payload>
+void encode(Bytes& out, const Payload& value) {
   Writer writer(out);
   visit(writer, value);
 }
 
-template <class T>
-void read(std::span<const std::byte> in, T& value) {
+template <class Payload>
+void decode(std::span<const std::byte> in, Payload& value) {
   Reader reader(in);
   visit(reader, value);
   reader.done();
 }
 
-}  // namespace
-
-void encode(Bytes& out, const Hello& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const Failure& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const Configuration& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const Configured& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const Window& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const MotionSet& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const LoadSet& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const TangentSet& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const ControlSet& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const Checkpoint& value) {
-  write(out, value);
-}
-void encode(Bytes& out, Nanoseconds value) {
-  write(out, value);
-}
-void encode(Bytes& out, const BodiesFrame& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const ParticlesFrame& value) {
-  write(out, value);
-}
-void encode(Bytes& out, const Report& value) {
-  write(out, value);
-}
+#define PAYLOAD(type)                        \
+  template void encode(Bytes&, const type&); \
+  template void decode(std::span<const std::byte>, type&);
+PAYLOAD(Hello)
+PAYLOAD(Failure)
+PAYLOAD(Configuration)
+PAYLOAD(Configured)
+PAYLOAD(Window)
+PAYLOAD(MotionSet)
+PAYLOAD(LoadSet)
+PAYLOAD(TangentSet)
+PAYLOAD(ControlSet)
+PAYLOAD(Checkpoint)
+PAYLOAD(Nanoseconds)
+PAYLOAD(BodiesFrame)
+PAYLOAD(ParticlesFrame)
+PAYLOAD(Report)
+#undef PAYLOAD
 
 std::uint64_t size_of_particles_frame(std::uint64_t spheres, bool with_contacts) {
   const auto array = [spheres](std::uint64_t of_one) {
@@ -305,48 +281,6 @@ std::uint64_t size_of_particles_frame(std::uint64_t spheres, bool with_contacts)
          (with_contacts && spheres > 0 ? array(ParticlesFrame::contact_values * sizeof(float)) : 0);
 }
 
-void decode(std::span<const std::byte> in, Hello& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, Failure& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, Configuration& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, Configured& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, Window& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, MotionSet& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, LoadSet& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, TangentSet& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, ControlSet& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, Checkpoint& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, Nanoseconds& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, BodiesFrame& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, ParticlesFrame& value) {
-  read(in, value);
-}
-void decode(std::span<const std::byte> in, Report& value) {
-  read(in, value);
-}
 void decode_nothing(std::span<const std::byte> in) {
   Reader(in).done();
 }

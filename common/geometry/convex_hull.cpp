@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/geometry/bounds.hpp"
 namespace tandem {
 
 namespace {
@@ -31,14 +32,9 @@ Wide size_of(Wide value) {
 }
 
 std::vector<Lattice> on_grid(const std::vector<Vec3d>& points) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
-  for (const Vec3d& p : points)
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+  const Bounds bounds = bounds_of(points);
+  const Vec3d low = bounds.low, size = bounds.size();
+  const double extent = std::max({size.x, size.y, size.z});
   const double scale = extent > 0 ? 0x1p38 / extent : 0;
   std::vector<Lattice> grid;
   for (const Vec3d& p : points) {

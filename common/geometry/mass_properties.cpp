@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "common/geometry/bounds.hpp"
 
 namespace tandem {
 
@@ -28,22 +29,6 @@ void add_point(std::array<double, 6>& inertia, double weight, Vec3d d) {
   inertia[3] -= weight * d.x * d.y;
   inertia[4] -= weight * d.x * d.z;
   inertia[5] -= weight * d.y * d.z;
-}
-
-struct Bounds {
-  Vec3d low, high;
-  Vec3d middle() const { return 0.5 * (low + high); }
-};
-
-Bounds bounds_of_vertices(const TriangleMesh& mesh) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds bounds{{inf, inf, inf}, {-inf, -inf, -inf}};
-  for (const Vec3d& p : mesh.vertices)
-    for (int k = 0; k < 3; ++k) {
-      bounds.low[k] = std::min(bounds.low[k], p[k]);
-      bounds.high[k] = std::max(bounds.high[k], p[k]);
-    }
-  return bounds;
 }
 
 double volume_about(const TriangleMesh& mesh, Vec3d reference) {
@@ -97,7 +82,7 @@ MassProperties mass_of_cone(double radius, double top_radius, double height, dou
 }
 
 MassProperties mass_of_mesh(const TriangleMesh& mesh, double density) {
-  const Vec3d reference = bounds_of_vertices(mesh).middle();
+  const Vec3d reference = bounds_of(mesh.vertices).middle();
   double volume = 0;               // times 6
   Vec3d first;                     // moment, times 24
   std::array<double, 6> second{};  // moments xx yy zz xy xz yz, times 120
@@ -132,13 +117,17 @@ MassProperties mass_of_mesh(const TriangleMesh& mesh, double density) {
 }
 
 double signed_volume(const TriangleMesh& mesh) {
-  return volume_about(mesh, bounds_of_vertices(mesh).middle());
+  return volume_about(mesh, bounds_of(mesh.vertices).middle());
 }
 
 double winding_number(const TriangleMesh& mesh, Vec3d point) {
+  return winding_number(mesh, mesh.vertices, point);
+}
+
+double winding_number(const TriangleMesh& mesh, const std::vector<Vec3d>& vertices, Vec3d point) {
   double angle = 0;
   for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3d a = mesh.vertices[i] - point, b = mesh.vertices[j] - point, c = mesh.vertices[k] - point;
+    const Vec3d a = vertices[i] - point, b = vertices[j] - point, c = vertices[k] - point;
     const double la = norm(a), lb = norm(b), lc = norm(c);
     angle +=
         2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);

@@ -39,6 +39,8 @@ std::string why_not_solid(const TriangleMesh& mesh);
 // How often a closed mesh encloses a point: 1 inside, 0 outside, -1 inside a mesh of reverse winding; a
 // fraction on the surface. By solid angles [Oosterom1983].
 double winding_number(const TriangleMesh& mesh, Vec3d point);
+// The same of the mesh with its vertices elsewhere.
+double winding_number(const TriangleMesh& mesh, const std::vector<Vec3d>& vertices, Vec3d point);
 
 // The same solid, placed by `pose`.
 MassProperties placed(const MassProperties& solid, const Pose& pose);

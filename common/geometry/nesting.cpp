@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <optional>
 
+#include "common/geometry/bounds.hpp"
 #include "common/geometry/mass_properties.hpp"
 
 namespace tandem {
@@ -49,19 +49,9 @@ bool is_within_bounds(const ClosedPart& inner, const ClosedPart& outer) {
 }  // namespace nesting
 
 ClosedPart closed_part(TriangleMesh mesh) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  ClosedPart part{std::move(mesh), {inf, inf, inf}, {-inf, -inf, -inf}};
-  for (const Vec3d& p : part.mesh.vertices)
-    for (int k = 0; k < 3; ++k) {
-      part.low[k] = std::min(part.low[k], p[k]);
-      part.high[k] = std::max(part.high[k], p[k]);
-    }
-  const Vec3d middle = 0.5 * (part.low + part.high);
-  for (const auto& [i, j, k] : part.mesh.triangles)
-    part.volume += dot(part.mesh.vertices[i] - middle,
-                       cross(part.mesh.vertices[j] - middle, part.mesh.vertices[k] - middle)) /
-                   6;
-  return part;
+  const Bounds bounds = bounds_of(mesh.vertices);
+  const double volume = signed_volume(mesh);
+  return {std::move(mesh), bounds.low, bounds.high, volume};
 }
 
 bool Nesting::is_unclear(std::size_t part) const {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "common/geometry/bounds.hpp"
 #include "common/overloaded.hpp"
 #include "common/scene/fault.hpp"
 #include "common/scene/shape_mesh.hpp"
@@ -44,22 +44,12 @@ class Solid {
                               [&](const auto&) { return of_mesh(); }},
                    shape.geometry),
         shape.pose);
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    low_ = {inf, inf, inf};
-    high_ = {-inf, -inf, -inf};
-    for (const Vec3d& vertex : mesh_.vertices) {
-      const Vec3d p = shape.pose.p_WB + shape.pose.q_WB.rotate(vertex);
-      for (int k = 0; k < 3; ++k) {
-        low_[k] = std::min(low_[k], p[k]);
-        high_[k] = std::max(high_[k], p[k]);
-      }
-    }
+    for (const Vec3d& vertex : mesh_.vertices) bounds_.add(shape.pose.p_WB + shape.pose.q_WB.rotate(vertex));
   }
 
   const Shape& shape() const { return shape_; }
   const MassProperties& mass() const { return mass_; }
-  Vec3d low() const { return low_; }
-  Vec3d high() const { return high_; }
+  const Bounds& bounds() const { return bounds_; }
   std::size_t triangles() const { return mesh_.triangles.size(); }
 
   // Whether a point of the body is inside.
@@ -89,7 +79,7 @@ class Solid {
   TriangleMesh mesh_;
   bool exact_ = false;  // the mesh is the shape itself
   MassProperties mass_;
-  Vec3d low_, high_;  // bounding box in the body's frame
+  Bounds bounds_;  // in the body's frame
 };
 
 double radical_inverse(std::uint32_t index, std::uint32_t base) {
@@ -117,9 +107,10 @@ double volume_where(const Condition& holds, Vec3d low, Vec3d size, std::size_t t
 double common_volume(const Solid& a, const Solid& b) {
   Vec3d low, size;
   for (int k = 0; k < 3; ++k) {
-    low[k] = std::max(a.low()[k], b.low()[k]);
-    size[k] = std::min(a.high()[k], b.high()[k]) - low[k];
-    const double extent = std::max(a.high()[k] - a.low()[k], b.high()[k] - b.low()[k]);
+    low[k] = std::max(a.bounds().low[k], b.bounds().low[k]);
+    size[k] = std::min(a.bounds().high[k], b.bounds().high[k]) - low[k];
+    const double extent =
+        std::max(a.bounds().high[k] - a.bounds().low[k], b.bounds().high[k] - b.bounds().low[k]);
     if (!(size[k] > 1e-9 * extent)) return 0;
   }
   return volume_where([&](Vec3d p) { return a.contains(p) && b.contains(p); }, low, size,
@@ -128,8 +119,8 @@ double common_volume(const Solid& a, const Solid& b) {
 
 void warn_of_parts(const Solid& solid, const std::string& body, std::vector<std::string>& warnings) {
   if (!std::holds_alternative<MeshShape>(solid.shape().geometry)) return;
-  const double volume = volume_where([&](Vec3d p) { return solid.contains_twice(p); }, solid.low(),
-                                     solid.high() - solid.low(), solid.triangles());
+  const double volume = volume_where([&](Vec3d p) { return solid.contains_twice(p); }, solid.bounds().low,
+                                     solid.bounds().size(), solid.triangles());
   if (volume > 0)
     warnings.push_back("parts of the mesh of shape \"" + solid.shape().name + "\" of body \"" + body +
                        "\" pass through each other in some " + rounded(volume) +

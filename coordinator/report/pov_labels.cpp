@@ -6,18 +6,9 @@
 #include <cmath>
 #include <optional>
 
+#include "common/geometry/bounds.hpp"
 namespace tandem::launch {
 namespace {
-
-struct Bounds {
-  Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  void add(Vec3d p, double radius) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], p[axis] - radius);
-      high[axis] = std::max(high[axis], p[axis] + radius);
-    }
-  }
-};
 
 constexpr Vec3d ink{0.25, 0.28, 0.32};
 
@@ -27,7 +18,7 @@ std::vector<Rectangle> draw_extents(PovWriter& pov, Overlay& overlay, const Fram
   Bounds box;
   std::vector<Rectangle> taken;
   for (const Surface& surface : frame.surfaces)
-    for (const Vec3d& vertex : surface.mesh.vertices) box.add(vertex, 0);
+    for (const Vec3d& vertex : surface.mesh.vertices) box.add(vertex);
   for (std::size_t i = 0; i < frame.radius.size(); ++i) box.add(frame.centre(i), frame.radius[i]);
   for (int axis = 0; axis < 3; ++axis) {
     std::optional<Spot> best;

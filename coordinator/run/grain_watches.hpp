@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "coordinator/run/summary.hpp"
 #include "coordinator/watch/particle_watch.hpp"
@@ -13,9 +14,15 @@ namespace tandem::launch {
 
 class GrainWatches {
  public:
-  // `scene` stays alive as long as the watches.
-  GrainWatches(const scene::Scene& scene, std::unique_ptr<ParticleWatch> particles)
-      : particles_(std::move(particles)), walls_(scene), spheres_(scene, particles_->spheres()) {}
+  // `scene` stays alive as long as the watches. Our own solver is watched by its account alone: how single
+  // spheres move, and which walls they press on, is tested with it (`tandem conform`), and costs a search for
+  // neighbours in each frame.
+  GrainWatches(const scene::Scene& scene, std::unique_ptr<ParticleWatch> particles, bool foreign)
+      : particles_(std::move(particles)) {
+    if (!foreign) return;
+    walls_.emplace(scene);
+    spheres_.emplace(scene, particles_->spheres());
+  }
 
   const SceneSpheres& spheres() const { return particles_->spheres(); }
 
@@ -36,8 +43,8 @@ class GrainWatches {
 
  private:
   std::unique_ptr<ParticleWatch> particles_;
-  WallLoadWatch walls_;
-  SphereWatch spheres_;  // reads the spheres of `particles_`
+  std::optional<WallLoadWatch> walls_;
+  std::optional<SphereWatch> spheres_;  // reads the spheres of `particles_`
 };
 
 }  // namespace tandem::launch

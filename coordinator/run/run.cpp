@@ -194,7 +194,7 @@ void Run::start() {
   coupler_.emplace(scene_, solvers_);
   coupler_->begin_with(at_start);
   if (scene_.dem) {
-    watches_.emplace(scene_, watch.get());
+    watches_.emplace(scene_, watch.get(), foreign_.of(Role::dem) || options_.attach);
     if (scene_.output.has(scene::SphereField::group) || scene_.output.has(scene::SphereField::material))
       results_.set_groups(watches_->spheres().group_by_id());
   }

@@ -53,7 +53,7 @@ class Summary {
   // "sensors".
   void set_columns(const char* list, const Signals& rows);
   void set_checks(const std::vector<CheckResult>& checks);
-  void set_particles(const ParticleWatch& watch, const SphereWatch& spheres);
+  void set_particles(const ParticleWatch& watch, const SphereWatch* spheres);
   void set_wall_loads(const WallLoadWatch& watch);
   void set_walls(const WallWatch& watch);
   // Programs that did not end well after their reports.

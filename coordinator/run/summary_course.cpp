@@ -176,7 +176,7 @@ void Summary::set_course(const Coupler& coupler, Nanoseconds now, double wall, c
   }
 }
 
-void Summary::set_particles(const ParticleWatch& watch, const SphereWatch& spheres) {
+void Summary::set_particles(const ParticleWatch& watch, const SphereWatch* spheres) {
   if (std::isfinite(watch.spheres().critical_time))
     own("critical_time_of_scene_s") = watch.spheres().critical_time;
   if (!watch.compared()) return;
@@ -194,8 +194,8 @@ void Summary::set_particles(const ParticleWatch& watch, const SphereWatch& spher
   };
   for (std::size_t i = 0; i < watch.kinds.size(); ++i)
     add(watch.kinds[i], "observe_particles", false_spheres[i]);
-  for (std::size_t i = 0; i < spheres.kinds.size(); ++i)
-    add(spheres.kinds[i].name, spheres.kinds[i].check, spheres.false_spheres()[i]);
+  for (std::size_t i = 0; spheres && i < spheres->kinds.size(); ++i)
+    add(spheres->kinds[i].name, spheres->kinds[i].check, spheres->false_spheres()[i]);
   for (std::size_t i = 0; i < watch.figures.size(); ++i)
     if (const FrameDifference& d = differences[i]; d.share != 0)
       own("particle_frame_differences")

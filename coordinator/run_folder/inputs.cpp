@@ -40,10 +40,10 @@ void expect_file_kept(const fs::path& file, const fs::path& folder, const fs::pa
 // A folder elsewhere, with perhaps very many frames, can only have links into the one of the results. A
 // folder that such a link leads to is looked at as well.
 void expect_folder_kept(const fs::path& folder, const fs::path& target, const fs::path& shown,
-                        std::set<fs::path>& seen) {
+                        std::set<fs::path>& visited) {
   std::error_code failure;
   const fs::path given = fs::weakly_canonical(fs::absolute(folder), failure);
-  if (!seen.insert(given).second) return;
+  if (!visited.insert(given).second) return;
   const bool apart = !is_inside(given, target) && !is_inside(target, given);
   for (fs::directory_iterator at(folder, failure), end; !failure && at != end; at.increment(failure)) {
     std::error_code unknown;
@@ -51,7 +51,7 @@ void expect_folder_kept(const fs::path& folder, const fs::path& target, const fs
     if (!at->is_directory(unknown)) {
       if (!apart || link) expect_file_kept(at->path(), target, shown);
     } else if (!link || is_inside(fs::weakly_canonical(fs::absolute(at->path()), unknown), target)) {
-      expect_folder_kept(at->path(), target, shown, seen);
+      expect_folder_kept(at->path(), target, shown, visited);
     }
   }
 }
@@ -62,9 +62,9 @@ void expect_kept(const std::vector<fs::path>& inputs, const fs::path& folder) {
   std::error_code failure;
   const fs::path target = fs::weakly_canonical(fs::absolute(folder), failure);
   for (const fs::path& input : inputs) {
-    std::set<fs::path> seen;
+    std::set<fs::path> visited;
     if (fs::is_directory(input, failure))
-      expect_folder_kept(input, target, folder, seen);
+      expect_folder_kept(input, target, folder, visited);
     else
       expect_file_kept(input, target, folder);
   }

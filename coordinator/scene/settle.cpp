@@ -91,13 +91,13 @@ std::string where_it_left(const protocol::ParticlesFrame& before, const protocol
     if (std::ranges::binary_search(now.id, id)) continue;
     const double ahead = to_seconds(now.time - before.time);
     const scene::Box& domain = scene.dem->domain;
-    Vec3d seen;
+    Vec3d place;
     int axis = 0;
     bool upper = false;
     double nearest = std::numeric_limits<double>::infinity();
     for (int a = 0; a < 3; ++a) {
-      seen[a] = before.position[3 * i + static_cast<std::size_t>(a)];
-      const double next = seen[a] +
+      place[a] = before.position[3 * i + static_cast<std::size_t>(a)];
+      const double next = place[a] +
                           ahead * static_cast<double>(before.velocity[3 * i + static_cast<std::size_t>(a)]) +
                           0.5 * ahead * ahead * scene.gravity[a];
       for (const bool high : {false, true})
@@ -105,7 +105,7 @@ std::string where_it_left(const protocol::ParticlesFrame& before, const protocol
           nearest = gap, axis = a, upper = high;
     }
     return fmt::format("; the first is sphere {} of '{}', last seen at {} m, near the face {} = {:.6g} m", id,
-                       scene.dem->particles[fill.group[id]].name, scene::rounded(seen), "xyz"[axis],
+                       scene.dem->particles[fill.group[id]].name, scene::rounded(place), "xyz"[axis],
                        (upper ? domain.max : domain.min)[axis]);
   }
   return {};
@@ -178,7 +178,7 @@ Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleO
     auto last_line = std::chrono::steady_clock::now();
     double energy = 0;
     int quiet = 0;
-    protocol::ParticlesFrame seen;  // about a fall through the largest radius ago
+    protocol::ParticlesFrame earlier;  // about a fall through the largest radius ago
     while (to_seconds(motion.window.end) < settle.at_most) {
       motion.window = {motion.window.index + (motion.window.end.count > 0 ? 1 : 0), motion.window.end,
                        Nanoseconds{motion.window.end.count + std::llround(window * 1e9)}};
@@ -186,14 +186,14 @@ Settled settle(const SceneFile& file, const scene::Settle& settle, const SettleO
       const double time = to_seconds(motion.window.end);
       if (account.lost_particles > 0) {
         const protocol::ParticlesFrame now = solver->observe();
-        const Unsettled unsettled{file, scene, fill, seen, settle.kinetic_energy};
+        const Unsettled unsettled{file, scene, fill, earlier, settle.kinetic_energy};
         throw Error(ErrorCode::scene,
                     fmt::format("{} spheres have left the domain by t = {:.4g} s of settling{}{}",
-                                account.lost_particles, time, where_it_left(seen, now, fill, scene),
+                                account.lost_particles, time, where_it_left(earlier, now, fill, scene),
                                 picture_of(unsettled, on.picture)),
                     where, "close the container for the start, or enlarge dem.domain");
       }
-      if (motion.window.index % windows_of_fall == 0) seen = solver->observe();
+      if (motion.window.index % windows_of_fall == 0) earlier = solver->observe();
       energy = account.kinetic_energy / spheres;
       quiet = energy < settle.kinetic_energy ? quiet + 1 : 0;
       if (quiet > windows_of_fall) {

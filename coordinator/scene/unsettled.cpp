@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/geometry/bounds.hpp"
 #include "common/geometry/triangle_tree.hpp"
 #include "common/scene/fault.hpp"
 #include "coordinator/report/own_picture.hpp"
@@ -53,13 +54,12 @@ std::string what_moves(const Unsettled& unsettled) {
   const protocol::ParticlesFrame& spheres = unsettled.spheres;
   std::size_t count = 0, fastest = 0;
   double highest = -1;
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
+  Bounds moving;
   for (std::size_t i = 0; i < spheres.id.size(); ++i) {
     if (!(energy_of(unsettled, i) >= unsettled.bound)) continue;
     ++count;
     const Vec3d p = row_of(spheres.position, i);
-    for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+    moving.add(p);
     if (const double speed = norm(row_of(spheres.velocity, i)); speed > highest) highest = speed, fastest = i;
   }
   if (count == 0) return {};
@@ -69,7 +69,7 @@ std::string what_moves(const Unsettled& unsettled) {
       "; {} of {} spheres have more than that, from {} to {} m; the fastest is sphere {} of '{}' at {} m "
       "with "
       "{:.3g} m/s{}",
-      count, spheres.id.size(), scene::rounded(low), scene::rounded(high), id,
+      count, spheres.id.size(), scene::rounded(moving.low), scene::rounded(moving.high), id,
       unsettled.scene.dem->particles[unsettled.fill.group[id]].name, scene::rounded(at), highest,
       nearest_wall(unsettled, at));
 }

@@ -20,25 +20,16 @@ Figures residuals_of_bodies(const RunFigures& run, const char* key) {
   return figures.empty() ? Figures() : figures;
 }
 
-// The shares of a list of `motion_jumps` or `frame_differences`, one per body.
-Figures shares_of_bodies(const RunFigures& run, const char* key) {
-  const auto found = run.summary.find(key);
-  if (found == run.summary.end()) return std::nullopt;
-  std::vector<Figure> figures;
-  for (const Json& body : *found)
-    figures.push_back({fmt::format("body '{}'", body.value("body", "")), figure_of(body, "share")});
-  return figures;
+// Of an entry of `motion_jumps` or `frame_differences`.
+std::string of_body(const Json& entry) {
+  return fmt::format("body '{}'", entry.value("body", ""));
 }
 
-// "0.05 m, 0 rad, 0 m/s and 0 rad/s" and the time [s] of the difference of one body of such a list.
-std::pair<std::string, double> difference_of(const RunFigures& run, const char* key, const std::string& of) {
-  for (const Json& body : run.summary[key])
-    if (of == fmt::format("body '{}'", body.value("body", "")))
-      return {fmt::format("{:.3g} m, {:.3g} rad, {:.3g} m/s and {:.3g} rad/s", figure_of(body, "position_m"),
-                          figure_of(body, "rotation_rad"), figure_of(body, "velocity_m_per_s"),
-                          figure_of(body, "angular_velocity_rad_per_s")),
-              figure_of(body, "time_s")};
-  return {};
+// "0.05 m, 0 rad, 0 m/s and 0 rad/s", the difference of such an entry.
+std::string difference(const Json& body) {
+  return fmt::format("{:.3g} m, {:.3g} rad, {:.3g} m/s and {:.3g} rad/s", figure_of(body, "position_m"),
+                     figure_of(body, "rotation_rad"), figure_of(body, "velocity_m_per_s"),
+                     figure_of(body, "angular_velocity_rad_per_s"));
 }
 
 // Ten times the accuracy of the scene's data: mbd_server ends the run there.
@@ -102,9 +93,9 @@ void add_account_rules(std::vector<Rule>& table) {
        "jumps, "
        "relative to its size and added up over the windows, is rounding",
        "a participant whose windows follow each other", nullptr,
-       [](const RunFigures& run) { return shares_of_bodies(run, "motion_jumps"); },
+       [](const RunFigures& run) { return figures_of(run, "motion_jumps", "share", of_body); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         const auto [jump, time] = difference_of(run, "motion_jumps", f.of);
+         const Json& jump = entry_of(run, "motion_jumps", f.of, of_body);
          return fmt::format(
              "{} jumps between windows: at t = {:.6g} s it begins {} from where it ended before; all jumps "
              "are "
@@ -112,24 +103,25 @@ void add_account_rules(std::vector<Rule>& table) {
              "state in "
              "which the last one ended, also after resume (tandem conform --role mbd --check motion_chain "
              "--check motion_checkpoint)",
-             f.of, time, jump, f.value, limit);
+             f.of, figure_of(jump, "time_s"), difference(jump), f.value, limit);
        }});
-  table.push_back({"body_frames", "frame_differences[].share", 1e-6,
-                   "the results have a body where its motion ended, and with that velocity; the difference, "
-                   "relative to its "
-                   "size, is rounding",
-                   "a participant whose frames show the bodies as it moves them", nullptr,
-                   [](const RunFigures& run) { return shares_of_bodies(run, "frame_differences"); },
-                   [](const RunFigures& run, const Figure& f, double limit) {
-                     const auto [wrong, time] = difference_of(run, "frame_differences", f.of);
-                     return fmt::format(
-                         "{} is elsewhere in the results than in the motion that loads the particles: at t = "
-                         "{:.6g} s by {}, "
-                         "{:.2g} of its size (limit {:.0e}): use a multibody participant whose frames have "
-                         "the state at the "
-                         "end of the window (tandem conform --role mbd --check observe_bodies)",
-                         f.of, time, wrong, f.value, limit);
-                   }});
+  table.push_back(
+      {"body_frames", "frame_differences[].share", 1e-6,
+       "the results have a body where its motion ended, and with that velocity; the difference, "
+       "relative to its "
+       "size, is rounding",
+       "a participant whose frames show the bodies as it moves them", nullptr,
+       [](const RunFigures& run) { return figures_of(run, "frame_differences", "share", of_body); },
+       [](const RunFigures& run, const Figure& f, double limit) {
+         const Json& wrong = entry_of(run, "frame_differences", f.of, of_body);
+         return fmt::format(
+             "{} is elsewhere in the results than in the motion that loads the particles: at t = "
+             "{:.6g} s by {}, "
+             "{:.2g} of its size (limit {:.0e}): use a multibody participant whose frames have "
+             "the state at the "
+             "end of the window (tandem conform --role mbd --check observe_bodies)",
+             f.of, figure_of(wrong, "time_s"), difference(wrong), f.value, limit);
+       }});
   table.push_back(
       {"joints", "joint_violations[].share", 1e-3,
        "the bodies of the results are where the joints let them be, prescribed coordinates follow their "
@@ -137,7 +129,7 @@ void add_account_rules(std::vector<Rule>& table) {
        "the machine, or in rad; ten times `mbd.integrator.assembly_tolerance`, beyond which mbd_server ends "
        "the run",
        "a participant that satisfies the joints", limit_of_joints,
-       [](const RunFigures& run) { return shares_of(run, "joint_violations"); },
+       [](const RunFigures& run) { return figures_of(run, "joint_violations"); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const Json& joint = entry_of(run, "joint_violations", f.of);
          return fmt::format(
@@ -152,7 +144,7 @@ void add_account_rules(std::vector<Rule>& table) {
        "a body moves and rotates by the integral of its velocities; what is open beyond one window times the "
        "changes of the velocity, which bounds methods of first order and impacts, relative to the way",
        "a participant whose poses follow from its velocities, or a shorter window", nullptr,
-       [](const RunFigures& run) { return shares_of(run, "path_differences"); },
+       [](const RunFigures& run) { return figures_of(run, "path_differences"); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const Json& path = entry_of(run, "path_differences", f.of);
          const bool is_angle = path.contains("open_rad");
@@ -170,7 +162,7 @@ void add_account_rules(std::vector<Rule>& table) {
        "inertias, gravity and linear springs of the scene, relative to the energy that moves: rounding, 1e-7 "
        "in single precision; applies where nothing else stores energy",
        "a participant that gives the energy of all bodies and springs", nullptr,
-       [](const RunFigures& run) { return shares_of(run, "body_energy_differences"); },
+       [](const RunFigures& run) { return figures_of(run, "body_energy_differences"); },
        [](const RunFigures& run, const Figure& f, double limit) {
          const Json& energy = entry_of(run, "body_energy_differences", f.of);
          return fmt::format(
@@ -188,14 +180,7 @@ void add_account_rules(std::vector<Rule>& table) {
        "zero in a frame, it is recorded "
        "elsewhere",
        "a participant that records the load of each wall on its body", nullptr,
-       [](const RunFigures& run) -> Figures {
-         const auto found = run.summary.find("unloaded_walls");
-         if (found == run.summary.end()) return std::nullopt;
-         std::vector<Figure> figures;
-         for (const Json& body : *found)
-           figures.push_back({body.value("of", ""), figure_of(body, "spheres")});
-         return figures;
-       },
+       [](const RunFigures& run) { return figures_of(run, "unloaded_walls", "spheres"); },
        [](const RunFigures& run, const Figure& f, double) {
          const Json& body = entry_of(run, "unloaded_walls", f.of);
          return fmt::format(
@@ -230,14 +215,7 @@ void add_account_rules(std::vector<Rule>& table) {
        "in and leave as the scene says, and go no deeper into each other and no farther than the account "
        "says",
        "a participant whose frames show its spheres", nullptr,
-       [](const RunFigures& run) -> Figures {
-         const auto found = run.summary.find("false_spheres");
-         if (found == run.summary.end()) return std::nullopt;
-         std::vector<Figure> figures;
-         for (const Json& kind : *found)
-           figures.push_back({kind.value("of", ""), figure_of(kind, "spheres")});
-         return figures;
-       },
+       [](const RunFigures& run) { return figures_of(run, "false_spheres", "spheres"); },
        [](const RunFigures& run, const Figure& f, double) {
          const Json& kind = entry_of(run, "false_spheres", f.of);
          return fmt::format(
@@ -252,14 +230,7 @@ void add_account_rules(std::vector<Rule>& table) {
                    "precision of the "
                    "frame (2e-7), gravity acts on their mass, and their centre of mass moves by the momentum",
                    "a participant whose account and frames are of the same spheres", nullptr,
-                   [](const RunFigures& run) -> Figures {
-                     const auto found = run.summary.find("particle_frame_differences");
-                     if (found == run.summary.end()) return std::nullopt;
-                     std::vector<Figure> figures;
-                     for (const Json& of : *found)
-                       figures.push_back({of.value("of", ""), figure_of(of, "share")});
-                     return figures;
-                   },
+                   [](const RunFigures& run) { return figures_of(run, "particle_frame_differences"); },
                    [](const RunFigures& run, const Figure& f, double limit) {
                      const Json& of = entry_of(run, "particle_frame_differences", f.of);
                      return fmt::format(

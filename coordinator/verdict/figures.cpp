@@ -24,17 +24,21 @@ double figure_of(const Json& object, const char* key) {
                                                      : std::numeric_limits<double>::quiet_NaN();
 }
 
-Figures shares_of(const RunFigures& run, const char* key) {
-  const auto found = run.summary.find(key);
+std::string of_entry(const Json& entry) {
+  return entry.value("of", "");
+}
+
+Figures figures_of(const RunFigures& run, const char* list, const char* key, std::string (*of)(const Json&)) {
+  const auto found = run.summary.find(list);
   if (found == run.summary.end()) return std::nullopt;
   std::vector<Figure> figures;
-  for (const Json& entry : *found) figures.push_back({entry.value("of", ""), figure_of(entry, "share")});
+  for (const Json& entry : *found) figures.push_back({of(entry), figure_of(entry, key)});
   return figures;
 }
 
-const Json& entry_of(const RunFigures& run, const char* key, const std::string& of) {
-  return *std::ranges::find_if(run.summary[key],
-                               [&](const Json& entry) { return entry.value("of", "") == of; });
+const Json& entry_of(const RunFigures& run, const char* list, const std::string& of,
+                     std::string (*name)(const Json&)) {
+  return *std::ranges::find_if(run.summary[list], [&](const Json& entry) { return name(entry) == of; });
 }
 
 std::string finer_step(const scene::Scene& scene, double factor) {

@@ -37,6 +37,11 @@ std::string doubtful_units(const RunFigures& run) {
   return text;
 }
 
+std::string of_crossing(const Json& c) {
+  return fmt::format("wall '{}' of '{}' and wall '{}' of '{}'", c.value("wall_a", ""), c.value("body_a", ""),
+                     c.value("wall_b", ""), c.value("body_b", ""));
+}
+
 }  // namespace
 
 void add_particle_rules(std::vector<Rule>& table) {
@@ -140,31 +145,16 @@ void add_particle_rules(std::vector<Rule>& table) {
        "one "
        "have passed through each other",
        "`shapes` of the bodies with `\"use\": \"contact\"`, a joint with `limits`, or a bushing between them",
-       nullptr,
-       [](const RunFigures& run) -> Figures {
-         const auto crossings = run.summary.find("wall_crossings");
-         if (crossings == run.summary.end()) return std::nullopt;
-         std::vector<Figure> figures;
-         for (const Json& c : *crossings)
-           figures.push_back(
-               {fmt::format("wall '{}' of '{}' and wall '{}' of '{}'", c.value("wall_a", ""),
-                            c.value("body_a", ""), c.value("wall_b", ""), c.value("body_b", "")),
-                c.value("share", 0.0)});
-         return figures;
-       },
+       nullptr, [](const RunFigures& run) { return figures_of(run, "wall_crossings", "share", of_crossing); },
        [](const RunFigures& run, const Figure& f, double limit) {
-         double depth = 0, time = 0;
-         for (const Json& c : run.summary["wall_crossings"])
-           if (f.of == fmt::format("wall '{}' of '{}' and wall '{}' of '{}'", c.value("wall_a", ""),
-                                   c.value("body_a", ""), c.value("wall_b", ""), c.value("body_b", "")))
-             depth = c.value("depth_m", 0.0), time = c.value("time_s", 0.0);
+         const Json& crossing = entry_of(run, "wall_crossings", f.of, of_crossing);
          return fmt::format(
              "{} pass through each other from t = {:.4g} s on, by up to {:.2g} m, {:.2g} of the thinner "
              "one (limit {:.2g}); walls act on spheres only: give the bodies shapes with \"use\": "
              "\"contact\", or "
              "put a joint with limits (stiffness and where it stops), a bushing or a spring_damper between "
              "them",
-             f.of, time, depth, f.value, limit);
+             f.of, figure_of(crossing, "time_s"), figure_of(crossing, "depth_m"), f.value, limit);
        }});
 }
 

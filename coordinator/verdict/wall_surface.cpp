@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <numbers>
 
+#include "common/geometry/mass_properties.hpp"
 #include "coordinator/results/body_meshes.hpp"
 
 namespace tandem::launch {
@@ -65,19 +66,6 @@ class PlaneSum {
   Vec3d right_;
 };
 
-// Signed solid angle of a triangle as seen from the origin [Oosterom1983] [sr].
-double solid_angle(Vec3d a, Vec3d b, Vec3d c) {
-  const double la = norm(a), lb = norm(b), lc = norm(c);
-  return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-}
-
-double volume_of(const TriangleMesh& mesh) {
-  double sum = 0;
-  const Vec3d from = mesh.vertices.front();
-  for (const auto& [i, j, k] : mesh.triangles)
-    sum += dot(mesh.vertices[i] - from, cross(mesh.vertices[j] - from, mesh.vertices[k] - from)) / 6;
-  return sum;
-}
 double area_of(const TriangleMesh& mesh) {
   double sum = 0;
   for (const auto& [i, j, k] : mesh.triangles)
@@ -86,12 +74,6 @@ double area_of(const TriangleMesh& mesh) {
 }
 
 }  // namespace
-
-Bounds bounds_of(const std::vector<Vec3d>& points) {
-  Bounds bounds;
-  for (const Vec3d& p : points) bounds.add(p);
-  return bounds;
-}
 
 WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene,
                          const std::vector<NamedMesh>& meshes) {
@@ -108,7 +90,7 @@ WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene,
   merge_vertices(s.mesh);
   const std::vector<Vec3d>& at = s.mesh.vertices;
   const Bounds bounds = bounds_of(at);
-  s.centre = 0.5 * (bounds.low + bounds.high);
+  s.centre = bounds.middle();
   s.half = 0.5 * bounds.size();
   for (const Vec3d& v : at) s.radius = std::max(s.radius, norm(v - s.centre));
   Bounds own;
@@ -143,7 +125,7 @@ WallSurface make_surface(const scene::Wall& wall, const scene::Scene& scene,
     for (const std::uint32_t v : edge) planes[v].add(inner, 1);
   }
   if (s.closed) {
-    const double volume = volume_of(s.mesh), inner = volume < 0 ? 1 : -1;
+    const double volume = signed_volume(s.mesh), inner = volume < 0 ? 1 : -1;
     s.most_shrink = std::abs(volume) / (2 * area_of(s.mesh));
     for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -161,10 +143,7 @@ bool is_inside(Vec3d point, const WallSurface& surface, const std::vector<Vec3d>
   Bounds bounds = bounds_of(at), of_point;
   of_point.add(point);
   if (!bounds.overlaps(of_point)) return false;
-  double sum = 0;
-  for (const auto& [i, j, k] : surface.mesh.triangles)
-    sum += solid_angle(at[i] - point, at[j] - point, at[k] - point);
-  return std::abs(sum) > 2 * std::numbers::pi;
+  return std::abs(winding_number(surface.mesh, at, point)) > 0.5;
 }
 
 }  // namespace tandem::launch

@@ -4,31 +4,13 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
+#include "common/geometry/bounds.hpp"
 #include "common/geometry/triangle_mesh.hpp"
 #include "common/scene/model.hpp"
 
 namespace tandem::launch {
-
-// A box parallel to the axes; empty until a point is added.
-struct Bounds {
-  Vec3d low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-            std::numeric_limits<double>::infinity()};
-  Vec3d high = -low;
-
-  void add(Vec3d p) {
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
-  }
-  bool overlaps(const Bounds& other) const {
-    for (int i = 0; i < 3; ++i)
-      if (low[i] > other.high[i] || high[i] < other.low[i]) return false;
-    return true;
-  }
-  Vec3d size() const { return high - low; }
-};
-Bounds bounds_of(const std::vector<Vec3d>& points);
 
 struct WallSurface {
   const scene::Wall* wall = nullptr;

@@ -241,15 +241,15 @@ void WallWatch::make_pairs() {
       pair.a = a.plane ? j : i;
       pair.b = a.plane ? i : j;
       pair.thickness = std::min(a.thickness, b.thickness);
-      pair.seen =
+      pair.last =
           relative(pose_of(surfaces_[pair.a].wall->body, {}), pose_of(surfaces_[pair.b].wall->body, {}));
       if (!b.plane && !a.plane) {
-        const Pose b_in_a = inverse(pair.seen);
+        const Pose b_in_a = inverse(pair.last);
         pair.hollow_a = a.closed && is_inside(to_world(b_in_a, b.mesh.vertices.front()), a, a.mesh.vertices);
         pair.hollow_b =
-            b.closed && is_inside(to_world(pair.seen, a.mesh.vertices.front()), b, b.mesh.vertices);
+            b.closed && is_inside(to_world(pair.last, a.mesh.vertices.front()), b, b.mesh.vertices);
       }
-      if (is_near(pair, pair.seen) && depth(pair, pair.seen) > wall_depth_share * pair.thickness)
+      if (is_near(pair, pair.last) && depth(pair, pair.last) > wall_depth_share * pair.thickness)
         overlapping.push_back(a.wall->name + "' and '" + b.wall->name);
       else
         pairs_.push_back(pair);
@@ -324,10 +324,10 @@ void WallWatch::observe(double time, const std::vector<protocol::BodyState>& bod
     const Pose a_in_b = relative(pose_of(a.wall->body, bodies), pose_of(b.wall->body, bodies));
     if (!is_near(pair, a_in_b)) continue;
     const double reach = a.radius + norm(a.centre);
-    const double moved = norm(a_in_b.p_WB - pair.seen.p_WB) +
-                         reach * norm(rotation_vector(a_in_b.q_WB * pair.seen.q_WB.conjugate()));
+    const double moved = norm(a_in_b.p_WB - pair.last.p_WB) +
+                         reach * norm(rotation_vector(a_in_b.q_WB * pair.last.q_WB.conjugate()));
     if (moved < (last ? wall_depth_share : moved_share) * pair.thickness) continue;
-    pair.seen = a_in_b;
+    pair.last = a_in_b;
     const double depth = this->depth(pair, a_in_b);
     if (!(depth > wall_depth_share * pair.thickness)) continue;
     if (pair.crossing == none) {

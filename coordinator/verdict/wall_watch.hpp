@@ -58,7 +58,7 @@ class WallWatch {
     // Whether the other wall is inside this one in the pose of the scene: such a wall counts as a shell
     // without an inside.
     bool hollow_a = false, hollow_b = false;
-    Pose seen;  // of a in the frame of b, at the last check
+    Pose last;  // pose of a in the frame of b at the last check
     std::size_t crossing = none;
   };
   static constexpr std::size_t none = static_cast<std::size_t>(-1);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coordinator/watch/motion_watch.hpp"
+#include "coordinator/watch/rigid_body.hpp"
 
 namespace tandem::launch {
 namespace {
@@ -48,8 +48,7 @@ EnergyWatch::Energy EnergyWatch::energy_of(const protocol::BodiesFrame& frame) c
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const scene::Body& body = bodies_[b];
     const protocol::BodyState& state = frame.bodies[b];
-    energy.kinetic += 0.5 * body.mass * dot(state.twist.v_WB, state.twist.v_WB) +
-                      0.5 * dot(state.twist.w_WB, angular_momentum(body, state.pose, state.twist));
+    energy.kinetic += kinetic_energy(body, state.pose, state.twist);
     energy.potential -= body.mass * dot(gravity_, state.pose.p_WB);
   }
   const auto place = [&](BodyId body, Vec3d point) {

@@ -19,17 +19,6 @@ bool is_sound(const StateDifference& d) {
 
 }  // namespace
 
-double gyration(const scene::Body& body) {
-  return std::sqrt(std::max({body.inertia[0], body.inertia[1], body.inertia[2]}) / body.mass);
-}
-
-Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist) {
-  const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
-  const Vec3d w = pose.q_WB.conjugate().rotate(twist.w_WB);
-  return pose.q_WB.rotate(
-      {xx * w.x + xy * w.y + xz * w.z, xy * w.x + yy * w.y + yz * w.z, xz * w.x + yz * w.y + zz * w.z});
-}
-
 StateDifference difference(const Pose& pose, const Twist& twist, const Pose& expected,
                            const Twist& expected_twist, double size, double length) {
   StateDifference d;
@@ -72,9 +61,9 @@ void MotionWatch::compare_begin(const protocol::BodyMotion& motion, std::size_t 
   if (jump.share > jumps.largest.share) jumps.largest = jump;
 }
 
-void MotionWatch::record(const Exchange& exchange) {
-  const std::vector<protocol::BodyMotion>& bodies = exchange.motion.bodies;
-  for (std::size_t i = 0; i < bodies.size(); ++i) compare_begin(bodies[i], i, exchange.motion.window);
+void MotionWatch::record(const protocol::MotionSet& motion) {
+  const std::vector<protocol::BodyMotion>& bodies = motion.bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) compare_begin(bodies[i], i, motion.window);
   last_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i)
     last_[i] = {bodies[i].body, 0, bodies[i].end_pose, bodies[i].end_twist};

@@ -9,6 +9,7 @@
 
 #include "coordinator/schemes/archive.hpp"
 #include "coordinator/schemes/schemes.hpp"
+#include "coordinator/watch/rigid_body.hpp"
 
 namespace tandem::launch {
 
@@ -22,10 +23,6 @@ struct StateDifference {
   double share = 0;
 };
 
-// Radius of gyration about the axis of the largest diagonal moment of inertia: the size of a body [m].
-double gyration(const scene::Body& body);
-// About the centre of mass, world axes [N m s].
-Vec3d angular_momentum(const scene::Body& body, const Pose& pose, const Twist& twist);
 // `length` is that of a window [s].
 StateDifference difference(const Pose& pose, const Twist& twist, const Pose& expected,
                            const Twist& expected_twist, double size, double length);
@@ -37,7 +34,7 @@ class MotionWatch {
   // The state before the first window.
   void begin_with(const std::vector<protocol::BodyMotion>& boundary);
   // A window that was accepted.
-  void record(const Exchange& exchange);
+  void record(const protocol::MotionSet& motion);
   // The bodies of a frame at the end of the last window.
   void observe(Nanoseconds now, const std::vector<protocol::BodyState>& bodies);
   // `bodies`: number of bodies of the scene.

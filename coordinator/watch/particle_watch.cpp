@@ -106,9 +106,13 @@ void ParticleWatch::expect_possible(const protocol::ParticleAccount& a) const {
 }
 
 void ParticleWatch::record(const Exchange& exchange) {
+  expect_possible(exchange.load.account);
+  if (exchange.load.window.index == 0) expect_start(exchange.load);
+  add(exchange);
+}
+
+void ParticleWatch::add(const Exchange& exchange) {
   const protocol::LoadSet& load = exchange.load;
-  expect_possible(load.account);
-  if (load.window.index == 0) expect_start(load);
   before_.domain_shift = {};
   if (scene_.dem->follows)
     if (const BodyMotion* path = record_of(exchange.path.bodies, scene_.dem->follows->value)) {

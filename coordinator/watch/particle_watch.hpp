@@ -41,6 +41,8 @@ class ParticleWatch {
 
   // A window that was accepted. Throws Error{protocol} where the account is impossible with this scene.
   void record(const Exchange& exchange);
+  // The same, without a refusal.
+  void add(const Exchange& exchange);
   // Sums over the windows since a frame. Places are relative to the centre of the domain.
   struct Interval {
     double time = 0;        // [s]

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "coordinator/watch/motion_watch.hpp"
+#include "coordinator/watch/rigid_body.hpp"
 
 namespace tandem::launch {
 namespace {

@@ -289,18 +289,18 @@ void SphereWatch::count_inlets(const Frame& frame) {
   for (Entrance& e : entrances_) {
     const auto after = std::ranges::lower_bound(frame.id, e.first + static_cast<std::uint32_t>(e.due.size()));
     if (after != frame.id.begin() && *(after - 1) >= e.first)
-      e.seen = std::max(e.seen, *(after - 1) - e.first + 1);
+      e.entered = std::max(e.entered, *(after - 1) - e.first + 1);
     const auto due = static_cast<std::uint32_t>(e.due_by(time + 1e-9));
-    take(Kind::inlet, e.seen > due ? e.seen - due : 0, time, [&] {
-      return fmt::format("its sphere {} of inlet '{}' is not due before t = {:.6g} s", e.first + e.seen - 1,
-                         e.name, e.due[e.seen - 1]);
+    take(Kind::inlet, e.entered > due ? e.entered - due : 0, time, [&] {
+      return fmt::format("its sphere {} of inlet '{}' is not due before t = {:.6g} s",
+                         e.first + e.entered - 1, e.name, e.due[e.entered - 1]);
     });
     if (!windows_.account || dem_.follows) continue;
     // Spheres wait while their box is full. Those that no frame has had may have left again.
     const std::uint64_t expected = e.due_by(time - windows_to_come_in * windows_.longest_window),
-                        gone = e.seen + windows_.account->lost_particles;
+                        gone = e.entered + windows_.account->lost_particles;
     const bool may_have_left =
-        !dem_.outlets.empty() && (e.seen > 0 || windows_.mass_rose || windows_.mass_there < 0);
+        !dem_.outlets.empty() && (e.entered > 0 || windows_.mass_rose || windows_.mass_there < 0);
     if (expected <= gone || may_have_left) continue;
     const double reach = windows_to_come_in * windows_.longest_window,
                  speed = fastest(frame) + norm(e.velocity) + reach * norm(gravity_);
@@ -318,7 +318,7 @@ void SphereWatch::count_inlets(const Frame& frame) {
       return fmt::format(
           "{} spheres of inlet '{}' are due, {} have come in, and no sphere is in its box (walls may fill "
           "it)",
-          expected, e.name, e.seen);
+          expected, e.name, e.entered);
     });
   }
 }

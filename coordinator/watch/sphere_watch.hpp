@@ -71,9 +71,9 @@ class SphereWatch {
     std::string name;
     scene::InletFill fill;
     Vec3d velocity;
-    std::uint32_t first = 0;  // id of its first sphere
-    std::vector<double> due;  // of each sphere, ascending [s]
-    std::uint32_t seen = 0;   // spheres up to the last one that a frame has had
+    std::uint32_t first = 0;    // id of its first sphere
+    std::vector<double> due;    // of each sphere, ascending [s]
+    std::uint32_t entered = 0;  // spheres up to the last one that a frame has had
     std::size_t due_by(double time) const;
   };
   struct Place {

@@ -84,7 +84,7 @@ std::optional<std::string> StabilityWatch::observe(const protocol::TangentSet& t
   return news;
 }
 
-void StabilityWatch::save_or_restore(Archive& archive, std::uint64_t seen) {
+void StabilityWatch::save_or_restore(Archive& archive, std::uint64_t calls) {
   archive("stability/figures", figures_);
   archive("stability/window", stable_window_);
   archive.expect(stable_window_ > 0 && (scene_.coupling.adaptive || std::isinf(stable_window_)),
@@ -101,7 +101,7 @@ void StabilityWatch::save_or_restore(Archive& archive, std::uint64_t seen) {
              "no body vibrates like that");
     expect(!is_worse(figures.now, figures.worst), "the worst vibration is not the worst");
     expect(figures.limit >= 0, "the limit of stability is no number of at least 0");
-    expect(figures.windows_beyond <= seen, "more windows are beyond the limit than there were");
+    expect(figures.windows_beyond <= calls, "more windows are beyond the limit than there were");
   }
 }
 

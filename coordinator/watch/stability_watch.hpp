@@ -53,8 +53,8 @@ class StabilityWatch {
   std::optional<std::string> observe(const protocol::TangentSet& tangents,
                                      const protocol::TangentSet& supports, const protocol::MotionSet& motion);
   StabilityRemedy remedy(const Vibration& of_window) const;
-  // `seen`: number of calls of observe().
-  void save_or_restore(Archive& archive, std::uint64_t seen);
+  // `calls`: number of calls of observe().
+  void save_or_restore(Archive& archive, std::uint64_t calls);
   // The largest window that suits the last contacts [s]; infinite where every window does. For adaptive
   // windows only: the search takes as long as a hundred estimates.
   double stable_window() const { return stable_window_; }

@@ -73,7 +73,7 @@ bool Coupler::try_window(const Window& window) {
     return false;
   accounts_.record(exchange_);
   body_momentum_.record(exchange_);
-  motion_watch_.record(exchange_);
+  motion_watch_.record(exchange_.motion);
   path_watch_.record(exchange_);
   counters_.most_iterations = std::max(counters_.most_iterations, exchange_.iterations);
   now_ = window.end;
@@ -143,10 +143,10 @@ void Coupler::warn(const std::string& sentence) {
 double Coupler::distance() const {
   double largest = 0;
   for (std::size_t b = 0; b < exchange_.path.bodies.size() && b < exchange_.motion.bodies.size(); ++b) {
-    const protocol::BodyMotion &seen = exchange_.path.bodies[b], &taken = exchange_.motion.bodies[b];
-    const double turn = norm(rotation_vector(taken.end_pose.q_WB * seen.end_pose.q_WB.conjugate()));
-    largest =
-        std::max(largest, norm(taken.end_pose.p_WB - seen.end_pose.p_WB) + space_.gyration(seen.body) * turn);
+    const protocol::BodyMotion &prescribed = exchange_.path.bodies[b], &taken = exchange_.motion.bodies[b];
+    const double turn = norm(rotation_vector(taken.end_pose.q_WB * prescribed.end_pose.q_WB.conjugate()));
+    largest = std::max(largest, norm(taken.end_pose.p_WB - prescribed.end_pose.p_WB) +
+                                    space_.gyration(prescribed.body) * turn);
   }
   return largest;
 }

@@ -1,21 +1,18 @@
 // Runs of a particle participant for the checks.
 #pragma once
 
-#include <numbers>
 #include <vector>
 
+#include "coordinator/scene/scene_spheres.hpp"
 #include "launch/conform/check.hpp"
 #include "launch/conform/sample.hpp"
 
 namespace tandem::conform {
 
-inline double sphere_mass(double density, double radius) {
-  return density * 4 / 3 * std::numbers::pi * radius * radius * radius;
-}
 inline double mass_of(const Examination& e, std::size_t group) {
   const scene::Dem& dem = e.scene().dem.value();
-  return sphere_mass(dem.materials[dem.particles[group].material.value].density,
-                     dem.particles[group].radius_min);
+  return launch::sphere_mass(dem.materials[dem.particles[group].material.value].density,
+                             dem.particles[group].radius_min);
 }
 
 // Element i of an array of a frame.

@@ -53,9 +53,9 @@ void long_motion(Examination& e) {
       const Vec3d impulse = t * (load.force + body.mass * e.scene().gravity), turn = t * load.torque;
       e.compare("momentum got by " + body.name + when(*session), body.mass * (to.v_WB - from.v_WB), impulse,
                 velocity_share * norm(impulse), "N s");
-      const Vec3d spin = angular_momentum(body, q_to, to.w_WB);
+      const Vec3d spin = launch::inertia_times(body, q_to, to.w_WB);
       e.compare("angular momentum got by " + body.name + when(*session),
-                spin - angular_momentum(body, q_from, from.w_WB), turn,
+                spin - launch::inertia_times(body, q_from, from.w_WB), turn,
                 position_share * (norm(turn) + norm(spin)), "N m s");
     });
     for (const protocol::BodyState& state : session->bodies().bodies)

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coordinator/watch/energy_watch.hpp"
+#include "coordinator/watch/motion_watch.hpp"
 #include "launch/conform/motion_run.hpp"
 
 namespace tandem::conform {
@@ -64,8 +66,8 @@ void torque_impulse(Examination& e) {
     const BodyMotion& end = run.last(index);
     const Vec3d impulse = run.time() * load_on(run.loads, index)->mean.torque;
     e.compare("angular momentum got by " + body.name,
-              angular_momentum(body, end.end_pose.q_WB, end.end_twist.w_WB) -
-                  angular_momentum(body, body.pose.q_WB, body.twist.w_WB),
+              launch::angular_momentum(body, end.end_pose, end.end_twist) -
+                  launch::angular_momentum(body, body.pose, body.twist),
               impulse, position_share * norm(impulse), "N m s");
   });
 }
@@ -104,8 +106,8 @@ void applied_work(Examination& e) {
     double work = 0;
     for (const MotionSet& motion : run.motions) work += motion_of(motion, index).applied_work;
     const BodyMotion& end = run.last(index);
-    const double gained = kinetic_energy(body, end.end_pose.q_WB, end.end_twist) -
-                          kinetic_energy(body, body.pose.q_WB, body.twist) -
+    const double gained = launch::kinetic_energy(body, end.end_pose, end.end_twist) -
+                          launch::kinetic_energy(body, body.pose, body.twist) -
                           body.mass * dot(e.scene().gravity, end.end_pose.p_WB - body.pose.p_WB);
     e.compare("work on " + body.name, work, gained, position_share * std::abs(gained), "J");
   });
@@ -113,19 +115,12 @@ void applied_work(Examination& e) {
 
 void motion_chain(Examination& e) {
   const MotionRun run = run_under(e, 1, 10);
+  launch::MotionWatch watch(e.scene());
+  for (const MotionSet& motion : run.motions) watch.record(motion);
   for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
-    double position = 0, angle = 0, speed = 0, spin = 0;
-    for (std::size_t i = 1; i < run.motions.size(); ++i) {
-      const BodyMotion &last = motion_of(run.motions[i - 1], index), &next = motion_of(run.motions[i], index);
-      position = std::max(position, norm(next.begin_pose.p_WB - last.end_pose.p_WB));
-      angle = std::max(angle, norm(rotation_vector(next.begin_pose.q_WB * last.end_pose.q_WB.conjugate())));
-      speed = std::max(speed, norm(next.begin_twist.v_WB - last.end_twist.v_WB));
-      spin = std::max(spin, norm(next.begin_twist.w_WB - last.end_twist.w_WB));
-    }
-    e.compare("jump of the position of " + body.name, position, 0, rounding, "m");
-    e.compare("jump of the rotation of " + body.name, angle, 0, rounding, "rad");
-    e.compare("jump of the velocity of " + body.name, speed, 0, rounding, "m/s");
-    e.compare("jump of the angular velocity of " + body.name, spin, 0, rounding, "rad/s");
+    const auto jumps = watch.jumps().find(index);
+    e.compare("largest jump of " + body.name + ", of its size",
+              jumps == watch.jumps().end() ? 0 : jumps->second.largest.share, 0, rounding, "");
   });
 }
 
@@ -143,9 +138,9 @@ void acceleration(Examination& e) {
       const Quat& q = at_end ? m.end_pose.q_WB : m.begin_pose.q_WB;
       const Vec3d w = at_end ? m.end_twist.w_WB : m.begin_twist.w_WB,
                   alpha = at_end ? m.end_alpha : m.begin_alpha;
-      const Vec3d gyroscopic = cross(w, angular_momentum(body, q, w));
+      const Vec3d gyroscopic = cross(w, launch::inertia_times(body, q, w));
       e.compare("rate of angular momentum of " + body.name + (at_end ? " at the end" : " at the begin"),
-                inertia_times(body, q, alpha) + gyroscopic, load.torque,
+                launch::inertia_times(body, q, alpha) + gyroscopic, load.torque,
                 2 * position_share * (norm(load.torque) + norm(gyroscopic)), "N m");
     }
   });
@@ -193,38 +188,27 @@ void observe_bodies(Examination& e) {
             static_cast<double>(e.scene().mbd->bodies.size()), 0, "");
   e.compare("number of joints", static_cast<double>(frame.joints.size()),
             static_cast<double>(e.scene().mbd->joints.size()), 0, "");
-  for (const protocol::BodyState& state : frame.bodies) {
-    const auto boundary = boundary_bodies(e.scene());
-    if (std::ranges::find(boundary, state.body) == boundary.end()) continue;
-    const BodyMotion& m = run.last(state.body);
-    const std::string& name = body_of(e, state.body).name;
-    e.compare("position of " + name, state.pose.p_WB, m.end_pose.p_WB, rounding, "m");
-    e.compare("rotation of " + name, rotation_vector(state.pose.q_WB * m.end_pose.q_WB.conjugate()), {},
-              rounding, "rad");
-    e.compare("velocity of " + name, state.twist.v_WB, m.end_twist.v_WB, rounding, "m/s");
-    e.compare("angular velocity of " + name, state.twist.w_WB, m.end_twist.w_WB, rounding, "rad/s");
-  }
-}
-
-double energy_of(const Examination& e, const protocol::BodiesFrame& frame) {
-  double energy = 0;
-  for (const protocol::BodyState& state : frame.bodies) {
-    const scene::Body& body = body_of(e, state.body);
-    energy += kinetic_energy(body, state.pose.q_WB, state.twist) -
-              body.mass * dot(e.scene().gravity, state.pose.p_WB);
-  }
-  return energy;
+  launch::MotionWatch watch(e.scene());
+  watch.record(run.motions.back());
+  watch.observe(frame.time, frame.bodies);
+  for_each_body(e, [&](std::uint32_t index, const scene::Body& body) {
+    const auto found = watch.false_frames().find(index);
+    e.compare("difference of " + body.name + " from the motion, of its size",
+              found == watch.false_frames().end() ? 0 : found->second.share, 0, rounding, "");
+  });
 }
 
 void energy(Examination& e) {
   const auto session = e.open();
   const auto loads = sample_loads(e.scene(), session->configured().boundary);
-  const protocol::BodiesFrame begin = session->bodies();
+  launch::EnergyWatch watch(e.scene());
+  watch.observe(session->bodies());
   for (int i = 0; i < run_windows; ++i) session->advance(loads, H);
-  const protocol::BodiesFrame end = session->bodies();
-  const double change = energy_of(e, end) - energy_of(e, begin);
-  e.compare("change of the energy", end.energy - begin.energy, change, position_share * std::abs(change),
-            "J");
+  watch.observe(session->bodies());
+  const auto& found = watch.largest();
+  if (!found) return e.expect(false, "a frame lacks a body");
+  e.compare("change of the energy", found->reported, found->computed,
+            position_share * std::abs(found->computed), "J");
 }
 
 }  // namespace

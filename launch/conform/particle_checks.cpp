@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coordinator/watch/particle_watch.hpp"
 #include "launch/conform/load_run.hpp"
 #include "launch/conform/state_folder.hpp"
 
@@ -12,7 +13,7 @@ using protocol::LoadSet;
 using protocol::ParticlesFrame;
 
 double mass_of_radius(const Examination& e, double radius) {
-  return sphere_mass(e.scene().dem.value().materials[0].density, radius);
+  return launch::sphere_mass(e.scene().dem.value().materials[0].density, radius);
 }
 Vec3d at(const std::vector<double>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
@@ -20,13 +21,6 @@ Vec3d at(const std::vector<double>& values, std::size_t i) {
 Vec3d at(const std::vector<float>& values, std::size_t i) {
   return Vec3f{values[3 * i], values[3 * i + 1], values[3 * i + 2]}.as<double>();
 }
-Vec3d momentum_of(const Examination& e, const ParticlesFrame& frame) {
-  Vec3d sum;
-  for (std::size_t i = 0; i < frame.id.size(); ++i)
-    sum += mass_of_radius(e, static_cast<double>(frame.radius[i])) * at(frame.velocity, i);
-  return sum;
-}
-
 // Centres of the two spheres of scene `flight` at the start.
 constexpr Vec3d start_of_flight[] = {{1, 1, 1}, {-1, 1, 2}};
 
@@ -91,39 +85,53 @@ void micro_steps(Examination& e) {
   }
 }
 
-void kinetic_energy_of_account(Examination& e) {
+// What a run says of some windows and of the frame after them.
+struct Watched {
+  launch::ParticleWatch watch;
+  ParticlesFrame frame;
+};
+Watched watched(Examination& e) {
   const auto session = e.open();
-  const LoadSet loads = rest_windows(*session, e.scene(), 40);
-  const ParticlesFrame frame = session->particles();
+  launch::SceneFile file;
+  file.scene = e.scene();
+  file.files = e.judged().configuration.files;
+  Watched of{launch::ParticleWatch(file), {}};
+  launch::Exchange window;
+  for (int i = 0; i < 40; ++i) {
+    window.load = rest_windows(*session, e.scene(), 1);
+    of.watch.add(window);
+  }
+  of.frame = session->particles();
+  of.watch.check(of.frame, of.watch.take_before());
+  return of;
+}
+
+void compare_with_account(Examination& e, const Watched& of, std::size_t figure, double tolerance) {
+  const launch::FrameDifference found = of.watch.differences()[figure];
+  const std::string what = launch::ParticleWatch::figures[figure];
+  e.compare("share of the " + what + " of the frame that is not in the account", found.share, 0, tolerance,
+            "");
+}
+
+void kinetic_energy_of_account(Examination& e) {
+  const Watched of = watched(e);
   double energy = 0, of_spin = 0;
-  for (std::size_t i = 0; i < frame.id.size(); ++i) {
-    const auto radius = static_cast<double>(frame.radius[i]);
-    const double mass = mass_of_radius(e, radius);
-    energy += 0.5 * mass * norm2(at(frame.velocity, i));
-    of_spin += 0.2 * mass * radius * radius * norm2(at(frame.spin, i));
+  for (std::size_t i = 0; i < of.frame.id.size(); ++i) {
+    const auto radius = static_cast<double>(of.frame.radius[i]);
+    energy += norm2(at(of.frame.velocity, i));
+    of_spin += 0.4 * radius * radius * norm2(at(of.frame.spin, i));
   }
   const bool friction = e.scene().dem->pairs.at(0).friction > 0;
   e.expect(!friction || of_spin > 1e-3 * energy, "spheres with friction do not roll");
-  e.compare("kinetic energy in the account", loads.account.kinetic_energy, energy + of_spin,
-            1e-4 * (energy + of_spin), "J");
+  compare_with_account(e, of, 1, 1e-4);
 }
 
 void observe_particles(Examination& e) {
-  const auto session = e.open();
-  const LoadSet loads = rest_windows(*session, e.scene(), 40);
-  const ParticlesFrame frame = session->particles();
-  const scene::Box& domain = e.scene().dem->domain;
-  e.compare("number of spheres", static_cast<double>(frame.id.size()), 48, 0, "");
-  bool inside = true;
-  for (std::size_t i = 0; i < frame.id.size(); ++i)
-    for (int a = 0; a < 3; ++a) {
-      const double x = at(frame.position, i)[a];
-      inside = inside && x >= domain.min[a] && x <= domain.max[a];
-    }
-  e.expect(inside, "a sphere of the frame is outside dem.domain");
-  const Vec3d momentum = momentum_of(e, frame);
-  e.compare("momentum of the frame against the account", momentum, loads.account.momentum_end,
-            1e-5 * norm(momentum), "kg m/s");
+  const Watched of = watched(e);
+  for (std::size_t kind = 0; kind < launch::ParticleWatch::kinds.size(); ++kind)
+    e.compare(std::string("spheres of the wrong ") + launch::ParticleWatch::kinds[kind],
+              static_cast<double>(of.watch.false_spheres()[kind].spheres), 0, 0, "");
+  compare_with_account(e, of, 0, 1e-5);
 }
 
 void snapshot(Examination& e) {
@@ -201,8 +209,9 @@ void add_particle_checks(std::vector<Check>& table) {
       "bed", true, micro_steps, "basin");
   add("kinetic_energy", "the account has the energy of translation and rotation of all spheres", 0, "bed",
       false, kinetic_energy_of_account);
-  add("observe_particles", "the frame has all spheres, inside the domain, with the momentum of the account",
-      0, "bed", false, observe_particles);
+  add("observe_particles",
+      "the frame has all spheres, with their radii, inside the domain, with the momentum of the account", 0,
+      "bed", true, observe_particles);
   add("snapshot", "a frame that was kept is sent after the next window as it was", can_snapshot, "bed", false,
       snapshot, "basin");
   add("lost_particle",

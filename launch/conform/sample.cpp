@@ -69,22 +69,6 @@ std::vector<BodyMotion> paths_at_rest(const scene::Scene& scene) {
   return paths;
 }
 
-Vec3d inertia_times(const scene::Body& body, const Quat& orientation, Vec3d vector) {
-  const auto& [xx, yy, zz, xy, xz, yz] = body.inertia;
-  const Vec3d w = orientation.conjugate().rotate(vector);
-  return orientation.rotate(
-      {xx * w.x + xy * w.y + xz * w.z, xy * w.x + yy * w.y + yz * w.z, xz * w.x + yz * w.y + zz * w.z});
-}
-
-Vec3d angular_momentum(const scene::Body& body, const Quat& orientation, Vec3d angular_velocity) {
-  return inertia_times(body, orientation, angular_velocity);
-}
-
-double kinetic_energy(const scene::Body& body, const Quat& orientation, const Twist& twist) {
-  return 0.5 * body.mass * norm2(twist.v_WB) +
-         0.5 * dot(twist.w_WB, inertia_times(body, orientation, twist.w_WB));
-}
-
 const BodyLoad* load_on(const std::vector<BodyLoad>& loads, std::uint32_t body) {
   const auto found = std::ranges::find(loads, body, &BodyLoad::body);
   return found == loads.end() ? nullptr : &*found;

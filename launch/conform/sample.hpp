@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/scene/model.hpp"
+#include "coordinator/watch/rigid_body.hpp"
 #include "protocol/messages.hpp"
 
 namespace tandem::conform {
@@ -24,11 +25,6 @@ protocol::BodyMotion steady_path(std::uint32_t body, const Pose& begin, const Tw
 std::vector<protocol::BodyMotion> paths_at_rest(const scene::Scene& scene);
 // The pose that a body with constant velocities has after `time`.
 Pose moved(const Pose& begin, const Twist& twist, double time);
-
-// Angular momentum about the centre of mass, world axes [kg m2/s].
-Vec3d angular_momentum(const scene::Body& body, const Quat& orientation, Vec3d angular_velocity);
-Vec3d inertia_times(const scene::Body& body, const Quat& orientation, Vec3d vector);
-double kinetic_energy(const scene::Body& body, const Quat& orientation, const Twist& twist);  // [J]
 
 const protocol::BodyLoad* load_on(const std::vector<protocol::BodyLoad>& loads, std::uint32_t body);
 const protocol::BodyMotion& motion_of(const protocol::MotionSet& motion, std::uint32_t body);

@@ -1,4 +1,5 @@
-// The small scenes of the judge. Each has one thing to be seen, with a closed form.
+// The small scenes of the judge, scenes/ROLE/NAME.json. Each has one thing to be seen, with a closed form.
+// Those of bodies and grains are of format 1.0, which participants of earlier releases read as well.
 #pragma once
 
 #include <string>

@@ -120,7 +120,7 @@ std::vector<PlaneFace> planes_of(const StepProduct& product, const Pose& pose, c
       }
       plane.triangles.push_back(corners);
     }
-    if (plane.bounds.meets(region, 0)) planes.push_back(std::move(plane));
+    if (plane.bounds.overlaps(region, 0)) planes.push_back(std::move(plane));
   }
   return planes;
 }
@@ -166,7 +166,7 @@ void fit_planes(const std::vector<PlaneFace>& planes_a, const std::vector<PlaneF
                 double distance, const FittingFaces& pair, std::vector<FittingFaces>& found) {
   for (const PlaneFace& a : planes_a)
     for (const PlaneFace& b : planes_b) {
-      if (norm(a.normal + b.normal) > same_normal || !a.bounds.meets(b.bounds, distance)) continue;
+      if (norm(a.normal + b.normal) > same_normal || !a.bounds.overlaps(b.bounds, distance)) continue;
       const double gap = dot(b.point - a.point, a.normal);
       if (std::abs(gap) > distance) continue;
       const bool a_is_smaller = a.area <= b.area;
@@ -210,7 +210,7 @@ std::vector<FittingFaces> fitting_faces(const StepFile& step, const std::string&
       const StepProduct& other = step.products[step.parts[order[k]].product];
       if (bounds[order[k]].low.x > bounds[order[i]].high.x + 0.02 * one.size()) break;
       if (one.unit.mass == 0 || other.unit.mass == 0) continue;
-      if (!bounds[a].meets(bounds[b], 0.02 * std::min(one.size(), other.size()))) continue;
+      if (!bounds[a].overlaps(bounds[b], 0.02 * std::min(one.size(), other.size()))) continue;
       if (near.size() == most_near)
         throw Error(
             ErrorCode::scene,
@@ -229,7 +229,7 @@ std::vector<FittingFaces> fitting_faces(const StepFile& step, const std::string&
     const double distance = same_plane * std::min(one.size(), other.size());
     const FittingFaces pair{.kind = {}, .a = a, .b = b, .point = {}, .direction = {}};
     fit_rings(rings[a], rings[b], pair, found);
-    const Bounds region = bounds[a].common(bounds[b], distance);
+    const Bounds region = common(bounds[a], bounds[b], distance);
     fit_planes(planes_of(one, step.parts[a].pose, region), planes_of(other, step.parts[b].pose, region),
                distance, pair, found);
   }

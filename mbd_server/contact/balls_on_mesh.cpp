@@ -51,7 +51,7 @@ void BallsOnMesh::plane_hit(int f, const Vector3d& c, double radius) {
 
 // Faces, edges and corners that are nearer to the centre of a ball than their neighbours are.
 void BallsOnMesh::ball_hits(const Vector3d& c, double radius) {
-  seen_.clear();
+  visited_.clear();
   for (const int f : near_) {
     const ContactMesh::Face& face = mesh_.face(f);
     const double s = face.normal.dot(c - mesh_.on_face(f));
@@ -106,7 +106,7 @@ void BallsOnMesh::edge_hit(int f, int e, double s, const Vector3d& c, double rad
 }
 
 void BallsOnMesh::corner_hit(int v, int f, double s, const Vector3d& c, double radius) {
-  if (std::find(seen_.begin(), seen_.end(), v) != seen_.end()) return;
+  if (std::find(visited_.begin(), visited_.end(), v) != visited_.end()) return;
   const Vector3d q = mesh_.point(v), d = c - q;
   const double distance = d.norm();
   if (!(distance > 0)) return;
@@ -128,7 +128,7 @@ void BallsOnMesh::corner_hit(int v, int f, double s, const Vector3d& c, double r
     }
   }
   if (!(in_front > 0) || (border && s < 0)) return;
-  seen_.push_back(v);
+  visited_.push_back(v);
   if (flat != none)
     plane_hit(flat, c, radius);
   else

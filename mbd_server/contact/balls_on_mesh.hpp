@@ -43,7 +43,7 @@ class BallsOnMesh : MeshSearch {
   bool stands_on(std::size_t corner, const Vector3d& normal) const;
   void add(std::size_t i, const Hit& hit);
 
-  std::vector<int> seen_;
+  std::vector<int> visited_;
   std::vector<Hit> hits_;
 };
 

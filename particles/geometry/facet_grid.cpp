@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "common/geometry/bounds.hpp"
 
 namespace tandem::particles {
 namespace {
@@ -142,26 +143,13 @@ Filling listed(std::span<const Facet> facets, std::uint32_t first_facet, const F
   return filling;
 }
 
-struct Extent {
-  Vec3d low, high;
-};
-
-Extent extent_of(std::span<const Facet> facets) {
-  Extent box{facets.front().a, facets.front().a};
-  const auto take_in = [&box](Vec3d v) {
-    for (int a = 0; a < 3; ++a) {
-      box.low[a] = std::min(box.low[a], v[a]);
-      box.high[a] = std::max(box.high[a], v[a]);
-    }
-  };
+Bounds bounds_of_facets(std::span<const Facet> facets) {
+  Bounds box;
   for (const Facet& f : facets) {
-    if (f.kind == FacetKind::ball) {
-      const double r = f.radius();
-      take_in(f.a - Vec3d{r, r, r});
-      take_in(f.a + Vec3d{r, r, r});
-    } else {
-      for (const Vec3d& v : {f.a, f.b, f.c}) take_in(v);
-    }
+    if (f.kind == FacetKind::ball)
+      box.add(f.a, f.radius());
+    else
+      for (const Vec3d& v : {f.a, f.b, f.c}) box.add(v);
   }
   return box;
 }
@@ -176,7 +164,7 @@ FacetGrid make_facet_grid(std::span<const Facet> facets, std::uint32_t first_fac
   grid.first_cell = static_cast<std::uint32_t>(cell_start.size() - 1);
   if (facets.empty()) return grid;
 
-  const Extent box = extent_of(facets);
+  const Bounds box = bounds_of_facets(facets);
   const Vec3d size = box.high - box.low;
   // Rounding may put a point into an adjacent cell, so the lists reach slightly further than promised.
   const double wide = reach + 1e-9 * (reach + norm(size) + norm(box.low));

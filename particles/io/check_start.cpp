@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "common/error.hpp"
+#include "common/geometry/bounds.hpp"
 #include "particles/base/thread_pool.hpp"
 #include "particles/io/fill.hpp"
 #include "particles/io/overlaps.hpp"
@@ -186,18 +186,14 @@ std::vector<std::string> warn_of_walls_at_periodic_faces(const Surface& surface,
   std::vector<std::string> warnings;
   for (std::uint32_t body = 0; body < surface.grids.size(); ++body) {
     const Pose pose = start_pose(surface.boundary_bodies[body], scene);
-    constexpr double none = std::numeric_limits<double>::infinity();
-    Vec3d low{none, none, none}, high = -low;
+    Bounds bounds;
     for (const Facet& facet : surface.facets)
       if (facet.body == body)
-        for (const Vec3d& end : ends_of(facet)) {
-          const Vec3d x = pose.p_WB + pose.q_WB.rotate(end);
-          for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], x[a]);
-        }
+        for (const Vec3d& end : ends_of(facet)) bounds.add(pose.p_WB + pose.q_WB.rotate(end));
     for (int a = 0; a < 3; ++a) {
       if (!dem.periodic[static_cast<std::size_t>(a)]) continue;
-      const bool below = std::abs(low[a] - dem.domain.min[a]) < largest_radius,
-                 above = std::abs(high[a] - dem.domain.max[a]) < largest_radius;
+      const bool below = std::abs(bounds.low[a] - dem.domain.min[a]) < largest_radius,
+                 above = std::abs(bounds.high[a] - dem.domain.max[a]) < largest_radius;
       if (!below && !above) continue;
       warnings.push_back("walls of '" + scene.body_name(surface.boundary_bodies[body]) +
                          "' end within a radius of a periodic face along " + "xyz"[a] +

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/geometry/bounds.hpp"
+
 namespace tandem::particles {
 namespace {
 
@@ -19,15 +21,10 @@ bool edge_is_beyond(Vec3d a, Vec3d b, double x, double y) {
 }  // namespace
 
 VerticalCrossings::VerticalCrossings(TriangleMesh mesh) : mesh_(std::move(mesh)) {
-  constexpr double none = std::numeric_limits<double>::infinity();
-  low_ = {none, none, none};
-  high_ = -low_;
+  Bounds bounds;
   for (const auto& t : mesh_.triangles)
-    for (const std::uint32_t corner : t)
-      for (int a = 0; a < 3; ++a) {
-        low_[a] = std::min(low_[a], mesh_.vertices[corner][a]);
-        high_[a] = std::max(high_[a], mesh_.vertices[corner][a]);
-      }
+    for (const std::uint32_t corner : t) bounds.add(mesh_.vertices[corner]);
+  low_ = bounds.low, high_ = bounds.high;
   if (mesh_.triangles.empty()) return;
   const double width = high_.x - low_.x, depth = high_.y - low_.y;
   const auto number = static_cast<double>(mesh_.triangles.size());
@@ -36,12 +33,9 @@ VerticalCrossings::VerticalCrossings(TriangleMesh mesh) : mesh_(std::move(mesh))
   cells_[1] = std::floor(depth / edge_) + 1;
   const auto columns = static_cast<std::size_t>(cells_[0]), rows = static_cast<std::size_t>(cells_[1]);
   const auto for_cells = [&](std::uint32_t t, const auto& act) {
-    Vec3d least{none, none, none}, most = -least;
-    for (const std::uint32_t corner : mesh_.triangles[t])
-      for (int a = 0; a < 2; ++a) {
-        least[a] = std::min(least[a], mesh_.vertices[corner][a]);
-        most[a] = std::max(most[a], mesh_.vertices[corner][a]);
-      }
+    Bounds around;
+    for (const std::uint32_t corner : mesh_.triangles[t]) around.add(mesh_.vertices[corner]);
+    const Vec3d least = around.low, most = around.high;
     const auto cell = [&](double x, double first, std::size_t cells) {
       return std::min(static_cast<std::size_t>((x - first) / edge_), cells - 1);
     };

@@ -26,33 +26,22 @@ def put(scene, path, value):
 
 
 class Rules(Case):
-    def programs(self, faulty):
-        """A folder with the programs, one of them with a fault."""
-        folder = self.folder / f"faulty_{faulty}"
-        if not folder.exists():
-            folder.mkdir()
-            shutil.copy2(options.bin / "tandem", folder)  # it starts the servers that are next to it
-            for side in ("mbd", "dem", "sph"):
-                source = options.faulty if side == faulty else options.bin
-                os.symlink(source / f"{side}_server", folder / f"{side}_server")
-        return folder
-
     def judged(self, rule, case, value):
         """Summary of the run with that value."""
         scene = copy.deepcopy(TABLE["scenes"][case["scene"]])
         for path, other in case.get("set", {}).items():
             put(scene, path, other)
-        environment, programs = dict(os.environ), options.bin
+        environment, server = dict(os.environ), []
         if "faulty" in case:
-            programs = self.programs(case["faulty"])
+            server = [f"--{case['faulty']}-server", str(options.faulty / f"{case['faulty']}_server")]
             environment["TANDEM_FAULT"] = json.dumps({case["change"]: value})
         else:
             put(scene, case["change"], value)
         path = self.folder / f"{rule}.json"
         path.write_text(json.dumps(scene))
         shutil.rmtree(self.out, ignore_errors=True)
-        process = subprocess.Popen([str(programs / "tandem"), "run", str(path), "--out", str(self.out), "--no-picture", "--no-report",
-                                    "--quiet", *case.get("arguments", [])],
+        process = subprocess.Popen([str(options.bin / "tandem"), "run", str(path), "--out", str(self.out), "--no-picture", "--no-report",
+                                    "--quiet", *server, *case.get("arguments", [])],
                                    env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.started.append(process)
         stdout, stderr = process.communicate(timeout=30 * options.slack)

@@ -45,7 +45,7 @@ MotionWatch started_watch() {
 
 TEST(MotionWatch, WindowsThatFollowEachOtherAreSilent) {
   MotionWatch watch = started_watch();
-  for (int i = 0; i < 5; ++i) watch.record(straight_window(i));
+  for (int i = 0; i < 5; ++i) watch.record(straight_window(i).motion);
   EXPECT_TRUE(watch.jumps().empty());
 }
 
@@ -55,7 +55,7 @@ TEST(MotionWatch, AJumpIsRelativeToTheSizeAndAddsUp) {
     Exchange exchange = straight_window(i);
     if (i == 2) exchange.motion.bodies[0].begin_pose.p_WB.z = 0.05;
     if (i == 3) exchange.motion.bodies[0].begin_pose.p_WB.z = -0.1;
-    watch.record(exchange);
+    watch.record(exchange.motion);
   }
   ASSERT_EQ(watch.jumps().size(), 1u);
   const MotionWatch::Jumps& jumps = watch.jumps().at(1);
@@ -68,12 +68,12 @@ TEST(MotionWatch, VelocitiesCountAsWhatTheyMoveInAWindow) {
   MotionWatch watch = started_watch();
   Exchange exchange = straight_window(0);
   exchange.motion.bodies[0].begin_twist.v_WB.z = 3;
-  watch.record(exchange);
+  watch.record(exchange.motion);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).sum, 3 * 0.01 / 0.5);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).largest.speed, 3);
   exchange = straight_window(1);
   exchange.motion.bodies[0].begin_twist.w_WB.y = 4;
-  watch.record(exchange);
+  watch.record(exchange.motion);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).sum, 0.06 + 4 * 0.01);
 }
 
@@ -81,7 +81,7 @@ TEST(MotionWatch, TheFirstWindowFollowsTheConfiguredState) {
   MotionWatch watch = started_watch();
   Exchange exchange = straight_window(0);
   exchange.motion.bodies[0].begin_pose.p_WB.y = 0.5;
-  watch.record(exchange);
+  watch.record(exchange.motion);
   EXPECT_DOUBLE_EQ(watch.jumps().at(1).sum, 1);
 }
 
@@ -90,13 +90,13 @@ TEST(MotionWatch, TheSignOfAQuaternionIsNoRotation) {
   MotionWatch watch = started_watch();
   Exchange exchange = straight_window(0);
   exchange.motion.bodies[0].begin_pose.q_WB = {-1, 0, 0, 0};
-  watch.record(exchange);
+  watch.record(exchange.motion);
   EXPECT_NEAR(watch.jumps().at(1).sum, 0, 1e-15);
 }
 
 TEST(MotionWatch, FramesShowTheBodiesWhereTheyEnded) {
   MotionWatch watch = started_watch();
-  watch.record(straight_window(0));
+  watch.record(straight_window(0).motion);
   std::vector<protocol::BodyState> frame(2);
   frame[0].pose.p_WB = {7, 7, 7};  // without walls: its motion is not known here
   frame[1].body = 1;
