@@ -120,8 +120,15 @@ void LiquidEngineOf<Exec, Real, shifting>::build_lists() {
   exec_.grow(hiders_of_, facets_.total);
   exec_.grow(sight_, facets_.total);
   exec_.grow(seen_, facets_.total);
-  if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
+  if (walls_.bodies() > 0)
+    for (auto* array : {&viewpoint_, &by_pressure_}) exec_.grow(*array, count_);
+  seen_ahead_ = false;
   list_beside_walls();
+  if (walls_.any_closed()) {
+    exec_.grow(side_, facets_.total);
+    exec_.for_each(beside_walls_, FindSides{walls, facets_.view(), beside_wall_.data(), built_at_.data(),
+                                            reach_, side_.data()});
+  }
   use_arrays();
 }
 

@@ -57,7 +57,7 @@ struct SumWalls {
 
  private:
   struct Particle {
-    Vec3d x, v;
+    Vec3d x, v, view;  // see WallArrays::viewpoint
     double pressure, volume;
   };
 
@@ -66,7 +66,7 @@ struct SumWalls {
   TANDEM_HD WallSums of(std::uint32_t i, const Team& team, Tally& tally, Bodies& bodies) const {
     const particles::FinePart<Real> fine = liquid.fine_part(i);
     const Particle p{centres.metres(centres.joined(liquid.position[i], fine)),
-                     particles::velocity_of(liquid.velocity[i], fine),
+                     particles::velocity_of(liquid.velocity[i], fine), arrays.viewpoint[i],
                      static_cast<double>(liquid.state[i].pressure),
                      static_cast<double>(liquid.state[i].volume)};
     const std::uint32_t begin = arrays.facets.start[i];
@@ -112,17 +112,21 @@ struct SumWalls {
     double distance = 1e300;  // [m]
     int facet = 0;
 
-    TANDEM_HD void take(int k, const NearFacet& f, Vec3d x, double range) {
+    TANDEM_HD void take(int k, const NearFacet& f, const Particle& p, double range) {
       particles::WallContact contact;
-      if (touches(f, x, range, contact)) take({contact.gap + range, k});
+      if (touches(f, p, range, contact)) take({contact.gap + range, k});
     }
     // Of two at the same distance the first one.
     TANDEM_HD void take(const Nearest& b) {
       if (b.distance < distance || (b.distance == distance && b.facet < facet)) *this = b;
     }
-    TANDEM_HD static bool touches(const NearFacet& f, Vec3d x, double range,
+    // The point of the contact is where it is now.
+    TANDEM_HD static bool touches(const NearFacet& f, const Particle& p, double range,
                                   particles::WallContact& contact) {
-      return particles::touch_triangle(particles::Facet{f.a, f.b, f.c, f.normal}, x, range, contact);
+      if (!particles::touch_triangle(particles::Facet{f.a, f.b, f.c, f.normal}, p.view, range, contact))
+        return false;
+      contact.point += p.x - p.view;
+      return true;
     }
   };
 
@@ -154,7 +158,7 @@ struct SumWalls {
     for (int k = static_cast<int>(lane); k < near.count; k += static_cast<int>(wall_lanes)) {
       const NearFacet& f = near.facet[k];
       const FacetIntegrals& integrals = seen[k].integrals;
-      sum.nearest.take(k, f, p.x, repulsion.range);
+      sum.nearest.take(k, f, p, repulsion.range);
       sum.incomplete += seen[k].complete ? 0 : 1;
       sum.rim += integrals.rim;
       if (!is_seen(integrals)) continue;
@@ -268,7 +272,7 @@ struct SumWalls {
   TANDEM_HD void repel(const Particle& p, const FacetsOfParticle& near, const Nearest& nearest, WallSums& sum,
                        Tally& tally, Bodies& bodies) const {
     particles::WallContact first;
-    Nearest::touches(near.facet[nearest.facet], p.x, repulsion.range, first);
+    Nearest::touches(near.facet[nearest.facet], p, repulsion.range, first);
     const std::uint32_t body_of_first = near.facet[nearest.facet].body;
     const double away = dot(p.v - velocity_of(body_of_first, first.point), first.normal);
     const double of_first = repulsion.of_nearest(nearest.distance, away);
@@ -280,7 +284,7 @@ struct SumWalls {
     for (int k = 0; k < near.count; ++k) {
       const NearFacet& f = near.facet[k];
       particles::WallContact contact;
-      if (k == nearest.facet || !Nearest::touches(f, p.x, repulsion.range, contact)) continue;
+      if (k == nearest.facet || !Nearest::touches(f, p, repulsion.range, contact)) continue;
       const double distance = contact.gap + repulsion.range,
                    share = WallRepulsion::share(first.normal, contact.normal, f.normal),
                    strength = share * repulsion.acceleration(distance);

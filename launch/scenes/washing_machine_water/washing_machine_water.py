@@ -192,7 +192,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     everywhere = {"name": "water", "body": "tub", "position": [0, -TUB_Y, 0], "orientation": about_y,
                   "shape": {"type": "cylinder", "radius": TUB_RADIUS + 0.05, "height": number(TUB_LENGTH)}}
     in_drum = {"name": "in_drum", "body": "drum", "orientation": about_y, "shape": {"type": "cylinder", "radius": DRUM_RADIUS, "height": DRUM_LENGTH}}
-    window = 0.0008 if coarse else 0.0005
+    window = 0.0005 if not coarse else 0.0008 if spheres else 0.001    # two steps of the coarse water
     result = {"tandem": "1.1", "name": name, "description": DESCRIPTION, "end_time": end, "coupling": {"window": window},
               "mbd": {"integrator": {"rho_inf": 0.9}, "bodies": bodies, "joints": joints, "forces": forces}}
     young, poisson = (1e8 if spheres else 8e6), 0.3

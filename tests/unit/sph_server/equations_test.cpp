@@ -198,7 +198,7 @@ TEST(StepLimits, NameTheSmallest) {
   liquid.spacing = 0.01;
   const double h = 0.015;
   StepLimits limits = step_limits(liquid, 2, 0);
-  EXPECT_DOUBLE_EQ(limits.smallest, 0.25 * h / 22);
+  EXPECT_DOUBLE_EQ(limits.smallest, 0.3 * h / 22);
   liquid.viscosity = 1e4;
   limits = step_limits(liquid, 2, 0);
   EXPECT_DOUBLE_EQ(limits.smallest, 0.05 * h * h * 1000 / 1e4);
