@@ -77,7 +77,8 @@ struct FacetsOfParticle {
   // One past the last facet of the body that facet k belongs to.
   TANDEM_HD int end_of_body(int k) const {
     const std::uint32_t body = facet[k].body;
-    while (k < count && facet[k].body == body) ++k;
+    if (facet[count - 1].body == body) return count;
+    while (facet[k].body == body) ++k;
     return k;
   }
 };
