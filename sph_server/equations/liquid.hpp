@@ -13,7 +13,7 @@ struct Liquid {
   double spacing = 0;           // edge of the cube that one particle fills [m]
   double smoothing = 1.5;       // h / spacing [-]
   double diffusion = 0.1;       // delta of the density diffusion [-]
-  double bulk_viscosity = 0.5;  // in units of rho0 c0 h; damps sound and nothing else [-]
+  double bulk_viscosity = 0.35;  // in units of rho0 c0 h; damps sound and nothing else [-]
   double artificial = 0;        // alpha of the artificial viscosity, for liquids without viscosity [-]
   double shifting = 0;          // of particles that a flow moves apart, see step/shift.hpp; 0: none [-]
   Vec3d gravity;                // [m/s2]

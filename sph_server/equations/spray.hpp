@@ -24,29 +24,19 @@ TANDEM_HD inline double filled_room(double neighbours, double own, double shadow
 // Up to `spray_below` a particle bears no tension, above `liquid_above` all of it.
 inline constexpr double spray_below = 0.32, liquid_above = 0.6;
 
-// 0 up to `from`, 1 from `to` on, and smooth between them, so that nothing switches.
-TANDEM_HD inline double smooth_step(double value, double from, double to) {
-  const double x = (value - from) / (to - from);
-  return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
-}
-// Share of a tension that a particle bears [-].
+// Share of a tension that a particle bears: smooth in `filled`, so that nothing switches [-].
 TANDEM_HD inline double tension_share(double filled) {
-  return smooth_step(filled, spray_below, liquid_above);
-}
-// Share of the bulk viscosity that a particle has [-]: none at free surfaces and in jets. They stretch the
-// lattice until rows are nearer than a spacing, and the bulk viscosity of such rows would bound the step
-// (docs/experiments/2026-11-sph-step.md).
-TANDEM_HD inline double bulk_share(double filled) {
-  return smooth_step(filled, 0.7, 1);
+  const double x = (filled - spray_below) / (liquid_above - spray_below);
+  return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
 // Pressure without the bound on tension: that of the equation of state, and that of the bulk viscosity for
-// the rate of the compression and the filled room [Pa].
+// the rate of the compression [Pa].
 TANDEM_HD inline double elastic_pressure(const Liquid& l, double compression) {
   return l.density * l.sound_speed * l.sound_speed * tait_pressure(compression);
 }
-TANDEM_HD inline double bulk_pressure(const Liquid& l, double compression, double rate, double filled) {
-  return bulk_share(filled) * l.bulk_viscosity * l.density * l.sound_speed * l.h() * rate / (1 + compression);
+TANDEM_HD inline double bulk_pressure(const Liquid& l, double compression, double rate) {
+  return l.bulk_viscosity * l.density * l.sound_speed * l.h() * rate / (1 + compression);
 }
 // Largest tension of a liquid in units of rho0 c0^2, and its expansion under it [-]: the stagnation pressure
 // at the largest speed for which walls and the equation of state are made.

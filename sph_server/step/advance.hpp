@@ -46,10 +46,9 @@ struct Advance {
   // tension take the rate and the filled part of the step before.
   TANDEM_HD void update_state(std::uint32_t i) const {
     const Liquid& l = properties;
-    const auto filled = static_cast<double>(liquid.filled[i]);
     const double e = liquid.compression[i],
-                 pressure = borne(l, elastic_pressure(l, e) + bulk_pressure(l, e, liquid.rate[1][i], filled),
-                                  tension_share(filled));
+                 pressure = borne(l, elastic_pressure(l, e) + bulk_pressure(l, e, liquid.rate[1][i]),
+                                  tension_share(static_cast<double>(liquid.filled[i])));
     liquid.state[i] = {liquid.velocity[i].v,
                        static_cast<Real>(packing_pressure > 0 ? packing_pressure : pressure), liquid.slope[i],
                        static_cast<Real>(l.mass() / (l.density * (1 + e)))};

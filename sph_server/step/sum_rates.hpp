@@ -56,8 +56,7 @@ struct SumRates {
     const double by_return = closing_rate(properties, compression, tension_share(filled)) +
                              crowding_rate(properties, compression, whole);
     const double elastic = elastic_pressure(properties, compression),
-                 bulk = bulk_pressure(properties, compression, liquid.rate[1][i],
-                                      static_cast<double>(liquid.filled[i]));  // of the step before
+                 bulk = bulk_pressure(properties, compression, liquid.rate[1][i]);
     const double per_rate = elastic * volume / (1 + compression);
     tally.add(Power::bulk_viscosity, -bulk * volume * by_motion, quanta.power);
     tally.add(Power::diffusion, per_rate * by_diffusion, quanta.power);

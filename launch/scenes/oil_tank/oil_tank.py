@@ -214,6 +214,8 @@ def scene(name, spacing, spheres=False, baffles=True, end=END):
     coarse = spacing > 0.05
     window = 0.001 if not coarse else 0.0022 if spheres else 0.0025    # two steps of the coarse liquid
     mbd = truck(oil, walls)
+    if coarse and not spheres:
+        mbd["integrator"]["step"] = 0.00125
     regions = [{"name": "oil", "body": "tank", "shape": {"type": "box", "size": vector(LENGTH + 0.2, 2 * RADIUS + 0.2, 2 * RADIUS + 0.2)}}]
     for part, k in (("front", 1), ("middle", 0), ("rear", -1)):
         regions.append({"name": f"{part}_space", "body": "tank", "position": vector(k * (LENGTH / 3 + 0.05), 0, 0),

@@ -228,7 +228,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     elif water:
         result["sph"] = {
             "spacing": spacing, **({"wall_deviation": 0.1} if coarse else {}),
-            "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "artificial_viscosity": 0.05, "expected_speed": 1.95 if coarse else 2.5,
+            "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "artificial_viscosity": 0.05, "expected_speed": 1.95 if coarse else 2,
                          "fill": [{"type": "inside", "wall": "tub_shell", "volume": number(water / 1000)}]}],
             # Pressure on the round tub passes the axis: without friction its torque is that of its shape in faces.
             "pairs": [{"liquid": "water", "body": "tub", "wall_friction": "free_slip"}],
