@@ -33,8 +33,8 @@ ExchangedArray exchanged(Buffer& out, std::vector<Range> to, Buffer& in, std::ve
           sizeof(*out.data()), std::move(to), std::move(from)};
 }
 
-// Laws without friction have no spin. An empty base class takes no room; nvcc 13 gives arrays of a struct with an
-// empty member that is marked no_unique_address a stride that differs from its sizeof.
+// Laws without friction have no spin. An empty base class takes no room; nvcc 13 gives arrays of a struct
+// with an empty member that is marked no_unique_address a stride that differs from its sizeof.
 template <class Real, bool with_spin>
 struct SpinOfGhost {
   Spin<Real> spin;
@@ -62,6 +62,7 @@ struct GhostState : SpinOfGhost<Real, with_spin> {
     if constexpr (with_spin) s.spin[side][i] = this->spin;
   }
 };
-static_assert(sizeof(GhostState<float, false>) == sizeof(PositionRadius<float>) + sizeof(VelocityKind<float>));
+static_assert(sizeof(GhostState<float, false>) ==
+              sizeof(PositionRadius<float>) + sizeof(VelocityKind<float>));
 
 }  // namespace tandem::dem
