@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -34,14 +33,20 @@ ExchangedArray exchanged(Buffer& out, std::vector<Range> to, Buffer& in, std::ve
           sizeof(*out.data()), std::move(to), std::move(from)};
 }
 
-struct NoSpin {};
+// Laws without friction have no spin. An empty base class takes no room; nvcc 13 gives arrays of a struct
+// with an empty member that is marked no_unique_address a stride that differs from its sizeof.
+template <class Real, bool with_spin>
+struct SpinOfGhost {
+  Spin<Real> spin;
+};
+template <class Real>
+struct SpinOfGhost<Real, false> {};
 
 // The label of a ghost refers to no walls.
 template <class Real, bool with_spin>
-struct GhostState {
+struct GhostState : SpinOfGhost<Real, with_spin> {
   PositionRadius<Real> position;
   VelocityKind<Real> velocity;
-  [[no_unique_address]] std::conditional_t<with_spin, Spin<Real>, NoSpin> spin;
 
   TANDEM_HD static GhostState of(const SphereArrays<Real>& s, std::uint32_t side, std::uint32_t i) {
     GhostState ghost;
@@ -54,8 +59,10 @@ struct GhostState {
   TANDEM_HD void store(const SphereArrays<Real>& s, std::uint32_t side, std::uint32_t i) const {
     s.position[side][i] = position;
     s.velocity[side][i] = velocity;
-    if constexpr (with_spin) s.spin[side][i] = spin;
+    if constexpr (with_spin) s.spin[side][i] = this->spin;
   }
 };
+static_assert(sizeof(GhostState<float, false>) ==
+              sizeof(PositionRadius<float>) + sizeof(VelocityKind<float>));
 
 }  // namespace tandem::dem

@@ -83,9 +83,9 @@ void Solver::start_moving() {
   memory_.energy_scale = memory_.energy_start;
 }
 
-void Solver::take_step(double dt) {
+void Solver::take_step(double dt, double next) {
   try {
-    engine_->step(dt, poses_);
+    engine_->step(dt, poses_, next);
   } catch (const Error& error) {
     throw explained(error);
   }
@@ -134,7 +134,7 @@ const protocol::LoadSet& Solver::advance(const protocol::MotionSet& motion) {
     poses_.clear();
     for (const particles::PreparedPath& path : paths_) poses_.push_back(pose_on_path(path, end / length));
     traffic_.place_pistons(start + end, passed_, poses_);
-    take_step(end - t);
+    take_step(end - t, end < stop ? dt : 0);
     add_step(t, end - t, length);
     fallen += (end - t) * mass();
     record_lost(start + end);

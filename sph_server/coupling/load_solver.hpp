@@ -80,7 +80,7 @@ class Solver final : public protocol::LoadSolver {
   void watch_walls();
   void stop_fast_walls(double time) const;
   std::string sentence_of_walls() const;
-  void take_step(double dt);
+  void take_step(double dt, double next);
   Error explained(const Error& error) const;
   double mach() const { return memory_.speed / properties_.sound_speed; }
   void add_step(double begin, double dt, double length);

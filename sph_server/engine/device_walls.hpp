@@ -22,16 +22,23 @@ class DeviceWalls {
     place(exec, walls.poses());
   }
   void place(Exec& exec, const std::vector<particles::BodyPose>& poses) { upload(exec, poses, pose_); }
-
-  WallsView view() const {
-    return {facet_.data(), grid_.data(), cell_start_.data(), cell_facet_.data(),
-            pose_.data(),  slip_.data(), beyond_.data(),     surface_.data(),
-            bodies_,       margin_};
+  // Where view_ahead() has them.
+  void place_ahead(Exec& exec, const std::vector<particles::BodyPose>& poses) {
+    upload(exec, poses, pose_ahead_);
   }
+
+  WallsView view() const { return with(pose_); }
+  WallsView view_ahead() const { return with(pose_ahead_); }
 
  private:
   template <class T>
   using Buffer = typename Exec::template Buffer<T>;
+
+  WallsView with(const Buffer<particles::BodyPose>& pose) const {
+    return {facet_.data(), grid_.data(), cell_start_.data(), cell_facet_.data(),
+            pose.data(),   slip_.data(), beyond_.data(),     surface_.data(),
+            bodies_,       margin_};
+  }
   template <class T>
   static void upload(Exec& exec, const std::vector<T>& from, Buffer<T>& to) {
     if (!from.empty()) exec.upload(to, std::span(from));
@@ -41,7 +48,7 @@ class DeviceWalls {
   Buffer<particles::FacetGrid> grid_;
   Buffer<std::uint32_t> cell_start_, cell_facet_, surface_;
   Buffer<std::uint8_t> slip_, beyond_;
-  Buffer<particles::BodyPose> pose_;
+  Buffer<particles::BodyPose> pose_, pose_ahead_;
   std::uint32_t bodies_ = 0;
   double margin_ = 0;
 };

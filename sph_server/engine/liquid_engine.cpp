@@ -48,8 +48,9 @@ std::size_t predicted_bytes(std::size_t particles, const LiquidSetup& setup, boo
   // On a CPU the parts of the threads are there as well while a list is built; a GPU has room for an eighth.
   const double list =
       neighbours * sizeof(Neighbour) * (setup.backend == particles::Backend::cuda ? 1.125 : 2);
-  // Starts of lists, the sort into cells, clearances, the next positions, accelerations beside walls.
-  const double others = 7 * sizeof(std::uint32_t) + sizeof(float) + 2 * sizeof(Vec3d);
+  // Starts of lists, the sort into cells, clearances, the next positions, viewpoints and accelerations beside
+  // walls.
+  const double others = 7 * sizeof(std::uint32_t) + sizeof(float) + 3 * sizeof(Vec3d);
   const bool shifting = liquid.shifting > 0;
   const auto particle =
       static_cast<double>(single ? bytes_of_particle<float>(shifting) : bytes_of_particle<double>(shifting));

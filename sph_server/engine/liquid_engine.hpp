@@ -135,8 +135,12 @@ class LiquidEngine {
   virtual LiquidState state() const = 0;
   // One step of dt [s]. Error{numerics} where it is longer than step_limits() of the present speeds and
   // accelerations allow. Bodies then have the given poses, one per wall mesh.
-  virtual void step(double dt, const std::vector<particles::BodyPose>& poses) = 0;
-  void step(double dt) { step(dt, poses()); }
+  // next: length of the step that follows, if nothing else happens to the liquid before it, not even save();
+  // otherwise 0. Every second step of such a row uses the integrals over walls of the step before, which are
+  // then those in the middle between the two [s].
+  virtual void step(double dt, const std::vector<particles::BodyPose>& poses, double next = 0) = 0;
+  // One of many steps in which bodies stay where they are.
+  void step(double dt) { step(dt, poses(), dt); }
   virtual const std::vector<particles::BodyPose>& poses() const = 0;
   // Those of the last step() or exchange(), once. Particles outside the domain are found when the lists are
   // built; the others keep their order. The next step has no step before it, as the first one.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/math/rotation.hpp"
 #include "common/scene/fault.hpp"
 #include "particles/grid/cell_grid.hpp"
 #include "sph_server/engine/device_walls.hpp"
@@ -49,7 +50,7 @@ class LiquidEngineOf final : public LiquidEngine {
     centres_ = particles::CentreUnit<Real>::for_range(unit_, farthest, setup.follows ? 10 : 4);
     pairs_.apart.unit = unit_;
     pairs_.pair = PairConstants<Real>::of(setup.liquid);
-    mark_.support = backs_.support = setup.liquid.support();
+    mark_.support = setup.liquid.support();
     const WallKernel kernel = WallKernel::of(setup.liquid.support(), setup.liquid.spacing);
     hiders_.kernel = see_whole_.kernel = see_partial_.kernel = wall_sums_.kernel = edges_.kernel = kernel;
     rates_.properties = setup.liquid;
@@ -64,9 +65,7 @@ class LiquidEngineOf final : public LiquidEngine {
     edges_.spacing = setup.liquid.spacing;
     advance_.periods = rates_.periods = setup_.periods;
     advance_.properties = setup.liquid;
-    mark_.centres = place_.centres = backs_.centres = hiders_.centres = see_whole_.centres =
-        see_partial_.centres = wall_sums_.centres = edges_.centres = rates_.centres = advance_.centres =
-            centres_;
+    viewpoints_.centres = wall_sums_.centres = edges_.centres = rates_.centres = advance_.centres = centres_;
   }
 
   void set_state(const LiquidState& state, const std::vector<particles::BodyPose>& poses) override {
@@ -119,7 +118,7 @@ class LiquidEngineOf final : public LiquidEngine {
     return s;
   }
 
-  void step(double dt, const std::vector<particles::BodyPose>& poses) override {
+  void step(double dt, const std::vector<particles::BodyPose>& poses, double next) override {
     expect_stable(dt);
     advance_.dt = dt;
     advance_.weight = extrapolation_weight(dt, last_dt_);
@@ -135,8 +134,11 @@ class LiquidEngineOf final : public LiquidEngine {
     last_dt_ = dt;
     set_poses(poses);
     lost_ = {};
-    move();
-    sum_rates();
+    const bool seen = seen_ahead_;
+    const double ahead = seen ? 0 : 0.5 * next;
+    move(ahead);
+    // With new lists the middle of this step is where it was half a step ago: results do not depend on lists.
+    sum_rates(seen && !seen_ahead_ ? -0.5 * dt : ahead);
     if (!lost_.index.empty()) forget_step_before();
   }
   LostParticles take_lost() override { return std::exchange(lost_, {}); }
@@ -153,10 +155,11 @@ class LiquidEngineOf final : public LiquidEngine {
     exec_.for_each(count(), UpdateState<Real>{advance_, 0});
     sum_rates();
     exec_.copy(memory_.acceleration[0], memory_.acceleration[1]);
+    // Shorter steps than those of a flow: from corners less is squeezed out.
+    constexpr double share = 5.0 / 6;
     for (int k = 0; k < how.steps; ++k) {
-      step(step_limits(l, std::max(l.sound_speed, figures_.largest_speed), figures_.largest_acceleration)
-               .smallest,
-           poses());
+      const double fastest = std::max(l.sound_speed, figures_.largest_speed);
+      step(share * step_limits(l, fastest, figures_.largest_acceleration).smallest, poses(), 0);
       after_step(k);
     }
     rates_.properties.gravity = l.gravity;
@@ -222,19 +225,21 @@ class LiquidEngineOf final : public LiquidEngine {
   std::uint32_t count() const { return static_cast<std::uint32_t>(count_); }
 
   // Moves all particles, and builds the lists anew where they may have become wrong.
-  void move() {
-    const bool hold = lists_hold();
+  // ahead: how much longer they have to hold for what particles will see of facets [s].
+  void move(double ahead) {
+    const bool hold = lists_hold(ahead);
     exec_.for_each(count(), advance_);
     if (!hold) rebuild();
   }
   // During the step to come. The last sums know the ways of particles but for what a vessel does that is not
   // in its velocity, and for the damping in a vessel that moves.
-  bool lists_hold() {
+  bool lists_hold(double ahead) {
     const Vec3d before = std::exchange(drift_, drift_since(built_poses_));
     const double unknown = norm(advance_.dt * frame_ - (drift_ - before)) +
                            0.5 * advance_.dt * (1 - advance_.damping) * norm(frame_);
-    return advance_.dt <= holds_for_ && unknown <= rates_.spare &&
-           walls_.moved_from(displaced(built_poses_, drift_)) <= static_cast<double>(skin_of_walls_);
+    const double far = ahead > 0 ? ahead * walls_.largest_speed(frame_velocity()) : 0;
+    return advance_.dt + ahead <= holds_for_ && unknown <= rates_.spare &&
+           walls_.moved_from(displaced(built_poses_, drift_)) + far <= static_cast<double>(skin_of_walls_);
   }
 
   static particles::FinePart<Real> fine_of([[maybe_unused]] const Host& host,
@@ -320,6 +325,13 @@ class LiquidEngineOf final : public LiquidEngine {
       if (periods.length[a] > 0) shortest = std::min(shortest, periods.length[a]);
     return shortest;
   }
+  static std::vector<particles::BodyPose> moved_on(std::vector<particles::BodyPose> poses, double time) {
+    for (particles::BodyPose& pose : poses) {
+      pose.p += time * pose.v;
+      pose.R = product(exp(time * pose.w).matrix(), pose.R);
+    }
+    return poses;
+  }
   static std::vector<particles::BodyPose> displaced(std::vector<particles::BodyPose> poses, Vec3d by) {
     for (particles::BodyPose& pose : poses) pose.p += by;
     return poses;
@@ -396,15 +408,17 @@ class LiquidEngineOf final : public LiquidEngine {
   void use_arrays() {
     liquid_ = memory_.view(count_);
     liquid_.neighbours = neighbours_.view();
-    arrays_ = {facets_.view(),    particle_.data(), place_of_facet_.data(), near_count_.data(), near_.data(),
-               hiders_of_.data(), sight_.data(),    seen_.data(),           by_pressure_.data()};
-    pairs_.liquid = mark_.liquid = place_.liquid = backs_.liquid = hiders_.liquid = see_whole_.liquid =
-        see_partial_.liquid = rates_.liquid = wall_sums_.liquid = edges_.liquid = advance_.liquid = liquid_;
-    mark_.arrays = number_.arrays = place_.arrays = backs_.arrays = hiders_.arrays = see_whole_.arrays =
+    arrays_ = {facets_.view(),         particle_.data(),   walls_.any_closed() ? side_.data() : nullptr,
+               place_of_facet_.data(), near_count_.data(), near_.data(),
+               hiders_of_.data(),      sight_.data(),      seen_.data(),
+               viewpoint_.data(),      by_pressure_.data()};
+    pairs_.liquid = viewpoints_.liquid = rates_.liquid = wall_sums_.liquid = edges_.liquid = advance_.liquid =
+        liquid_;
+    viewpoints_.arrays = mark_.arrays = number_.arrays = place_.arrays = hiders_.arrays = see_whole_.arrays =
         see_partial_.arrays = wall_sums_.arrays = edges_.arrays = arrays_;
-    mark_.walls = place_.walls = wall_sums_.walls = edges_.walls = device_walls_.view();
-    backs_.surface = place_.walls.surface;
-    number_.beside_wall = backs_.beside_wall = wall_sums_.beside_wall = beside_wall_.data();
+    mark_.walls = place_.walls = device_walls_.view_ahead();
+    wall_sums_.walls = edges_.walls = device_walls_.view();
+    viewpoints_.beside_wall = number_.beside_wall = wall_sums_.beside_wall = beside_wall_.data();
     pairs_.result = sums_.data();
     rates_.pairs = wall_sums_.pairs = sums_.data();
     rates_.walls = wall_sums_.result = of_walls_.data();
@@ -487,19 +501,30 @@ class LiquidEngineOf final : public LiquidEngine {
                 "walls", "remove triangles there that are much smaller than the spacing of the liquid");
   }
 
-  void see_facets() {
+  // From where particles will be after the time `ahead`, and as bodies will be then [s].
+  void see_facets(double ahead) {
+    device_walls_.place_ahead(exec_, ahead != 0 ? moved_on(poses_, ahead) : poses_);
+    mark_.walls = place_.walls = device_walls_.view_ahead();
+    viewpoints_.ahead = ahead;
+    exec_.for_each(beside_walls_, viewpoints_);
     exec_.for_each(facets_.total, mark_);
     exec_.for_each(beside_walls_, number_);
     exec_.for_each(facets_.total, place_);
-    if (walls_.any_closed()) exec_.for_each(beside_walls_, backs_);
     exec_.zero(sight_, facets_.total);
     exec_.for_each_where(facets_.total, IsNear{arrays_}, hiders_);
     exec_.for_each_of_two(facets_.total, HasSight{sight_.data(), Sight::partial}, see_partial_,
                           HasSight{sight_.data(), Sight::whole}, see_whole_);
   }
 
-  void sum_rates() {
-    exec_.side_by_side([this] { see_facets(); }, [this] { exec_.sum_over_lanes(count(), pairs_); });
+  // ahead: half of the next step, for which what particles see of facets has to serve as well, less than 0
+  // half of this one; 0: for this step alone [s].
+  void sum_rates(double ahead = 0) {
+    const auto sum_pairs = [this] { exec_.sum_over_lanes(count(), pairs_); };
+    if (seen_ahead_)
+      sum_pairs();
+    else
+      exec_.side_by_side([this, ahead] { see_facets(ahead); }, sum_pairs);
+    seen_ahead_ = !seen_ahead_ && ahead > 0;
     frame_ = rates_.frame = frame_velocity();
     rates_.drift = drift_;
     rates_.built_at = built_at_.data();
@@ -582,9 +607,11 @@ class LiquidEngineOf final : public LiquidEngine {
   Buffer<float> distance_, clearance_;  // see MeasureFacets and FindClearance
   Buffer<NearFacet> near_;
   Buffer<Hiders> hiders_of_;
+  Buffer<std::int8_t> side_;
   Buffer<Sight> sight_;
   Buffer<SeenFacet> seen_;
-  Buffer<Vec3d> by_pressure_;
+  Buffer<Vec3d> viewpoint_, by_pressure_;
+  bool seen_ahead_ = false;  // what particles see of facets serves for the next sums as well
   mutable Buffer<std::uint32_t> near_before_;  // see near_line()
   mutable Buffer<NearParticle> near_line_;
 
@@ -592,13 +619,13 @@ class LiquidEngineOf final : public LiquidEngine {
   LiquidArrays<Real> liquid_;
   WallArrays arrays_;
   SumPairs<Real, shifting> pairs_;
-  MarkFacets<Real> mark_;
+  ChooseViewpoints<Real> viewpoints_;
+  MarkFacets mark_;
   NumberFacets number_;
-  PlaceFacet<Real> place_;
-  RemoveBacks<Real> backs_;
-  FindHiders<Real> hiders_;
-  SeeFacets<Real, Sight::whole> see_whole_;
-  SeeFacets<Real, Sight::partial> see_partial_;
+  PlaceFacet place_;
+  FindHiders hiders_;
+  SeeFacets<Sight::whole> see_whole_;
+  SeeFacets<Sight::partial> see_partial_;
   SumWalls<Real, shifting> wall_sums_;
   SumRates<Real, shifting> rates_;
   SumEdges<Real> edges_;

@@ -109,19 +109,29 @@ void LiquidEngineOf<Exec, Real, shifting>::build_lists() {
   exec_.grow(position_in_cell_, count_);
   exec_.for_each(count(), PlaceInCells<Real>{centres_, unit_, skin_.data(), built_at_.data(), in_cell_.data(),
                                              position_in_cell_.data()});
-  exec_.build_list(
-      count(),
-      FindNeighbours<Real>{grid_, grid_.edge(1), cells_of_reach_, pairs_.apart, centres_, setup_.periods,
-                           cell_start_.data(), in_cell_.data(), position_in_cell_.data(), built_at_.data(),
-                           reaches, walls, facets_.view(), distance_.data(), clearance_.data()},
-      neighbours_);
+  exec_.build_list(count(),
+                   FindNeighbours<Real>{grid_, grid_.edge(1), cells_of_reach_, pairs_.apart, centres_,
+                                        setup_.periods, cell_start_.data(), in_cell_.data(),
+                                        position_in_cell_.data(), built_at_.data(), reaches},
+                   neighbours_);
+  list_beside_walls();
+  exec_.keep_entries(beside_walls_, beside_wall_in_order_.data(),
+                     SeesNeighbour{setup_.periods, built_at_.data(), walls, facets_.view(), distance_.data(),
+                                   clearance_.data()},
+                     neighbours_);
   exec_.grow(place_of_facet_, facets_.total);
   exec_.grow(near_, facets_.total);
   exec_.grow(hiders_of_, facets_.total);
   exec_.grow(sight_, facets_.total);
   exec_.grow(seen_, facets_.total);
-  if (walls_.bodies() > 0) exec_.grow(by_pressure_, count_);
-  list_beside_walls();
+  if (walls_.bodies() > 0)
+    for (auto* array : {&viewpoint_, &by_pressure_}) exec_.grow(*array, count_);
+  seen_ahead_ = false;
+  if (walls_.any_closed()) {
+    exec_.grow(side_, facets_.total);
+    exec_.for_each(beside_walls_, FindSides{walls, facets_.view(), beside_wall_.data(), built_at_.data(),
+                                            reach_, side_.data()});
+  }
   use_arrays();
 }
 

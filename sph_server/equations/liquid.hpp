@@ -7,16 +7,16 @@
 namespace tandem::sph {
 
 struct Liquid {
-  double density = 1000;        // rho0 [kg/m3]
-  double viscosity = 0;         // mu, dynamic [Pa s]
-  double sound_speed = 0;       // c0 [m/s]
-  double spacing = 0;           // edge of the cube that one particle fills [m]
-  double smoothing = 1.5;       // h / spacing [-]
-  double diffusion = 0.1;       // delta of the density diffusion [-]
-  double bulk_viscosity = 0.5;  // in units of rho0 c0 h; damps sound and nothing else [-]
-  double artificial = 0;        // alpha of the artificial viscosity, for liquids without viscosity [-]
-  double shifting = 0;          // of particles that a flow moves apart, see step/shift.hpp; 0: none [-]
-  Vec3d gravity;                // [m/s2]
+  double density = 1000;         // rho0 [kg/m3]
+  double viscosity = 0;          // mu, dynamic [Pa s]
+  double sound_speed = 0;        // c0 [m/s]
+  double spacing = 0;            // edge of the cube that one particle fills [m]
+  double smoothing = 1.5;        // h / spacing [-]
+  double diffusion = 0.1;        // delta of the density diffusion [-]
+  double bulk_viscosity = 0.35;  // in units of rho0 c0 h; damps sound and nothing else [-]
+  double artificial = 0;         // alpha of the artificial viscosity, for liquids without viscosity [-]
+  double shifting = 0;           // of particles that a flow moves apart, see step/shift.hpp; 0: none [-]
+  Vec3d gravity;                 // [m/s2]
 
   TANDEM_HD double h() const { return smoothing * spacing; }                       // [m]
   TANDEM_HD double support() const { return 2 * h(); }                             // [m]

@@ -13,7 +13,7 @@ namespace tandem::sph {
 StepLimits step_limits(const Liquid& liquid, double v, double a) {
   const double h = liquid.h(), never = std::numeric_limits<double>::infinity();
   StepLimits s;
-  s.sound = 0.25 * h / (liquid.sound_speed + v);
+  s.sound = 0.3 * h / (liquid.sound_speed + v);
   s.viscous = liquid.viscosity > 0 ? 0.05 * h * h * liquid.density / liquid.viscosity : never;
   s.force = a > 0 ? 0.25 * std::sqrt(h / a) : never;
   s.smallest = std::min({s.sound, s.viscous, s.force});

@@ -6,7 +6,7 @@
 namespace tandem::sph {
 
 struct StepLimits {
-  double sound = 0;     // 0.25 h / (c0 + v) [s]
+  double sound = 0;     // 0.3 h / (c0 + v) [s]
   double viscous = 0;   // 0.05 h^2 rho0 / mu, infinite without viscosity [s]
   double force = 0;     // 0.25 sqrt(h / a) [s]
   double smallest = 0;  // [s]

@@ -21,7 +21,7 @@ struct WallRepulsion {
   double range = 0;      // [m]
   double stiffness = 0;  // of a spring per mass [1/s2]
 
-  // The spring stops a quarter of the speed of sound; its period is some 17 of the longest steps.
+  // The spring stops a quarter of the speed of sound; its period is some 14 of the longest steps.
   static WallRepulsion of(const Liquid& l) {
     const double rate = l.sound_speed / l.spacing;
     return {0.25 * l.spacing, rate * rate};

@@ -24,36 +24,31 @@ struct WallConstants {
   }
 };
 
-struct WallTerms {
-  Vec3d pressure;         // acceleration by the pressure p_i of particle and ghost [m/s2]
-  Vec3d viscous;          // [m/s2]
-  double continuity = 0;  // rate of compression by motion, divided by 1 + e [1/s]
-};
-
-// n: normal of the facet towards the particle; distance: from its plane; v: of the particle relative to the
-// wall. With the integral S of the facet:
-//   pressure     V 2 p_i S n
+// v: velocity of the particle relative to the wall; n: normal of the facet towards the particle; distance:
+// from its plane. With the integrals S of facets:
+//   pressure     V 2 p_i sum of S n, of particle and ghosts
+//   continuity   -2 v . sum of S n, the adjoint of the pressure: rate of compression, divided by 1 + e
 //   viscosity    -V 2 mu S v_t / distance: the form of [Morris1997], integrated over a ghost with linear
 //                velocity; over all distances from a plane wall its integral is the shear stress
-//   continuity   -2 S v . n, the adjoint of the pressure
-TANDEM_HD inline WallTerms wall_terms(const WallConstants& c, const FacetIntegrals& f, Vec3d n,
-                                      double distance, Vec3d v, double pressure, double volume, bool slip) {
-  const double by_mass = volume * c.inverse_mass, across = dot(v, n);
-  WallTerms t;
-  t.pressure = (by_mass * 2 * pressure * f.surface) * n;
-  if (!slip) {
-    const double gap = distance > c.nearest ? distance : c.nearest;
-    t.viscous = (-by_mass * c.viscous * f.surface / gap) * (v - across * n);
-  }
-  t.continuity = -2 * across * f.surface;
-  return t;
+// surface: sum of S n [1/m].
+TANDEM_HD inline Vec3d wall_pressure(const WallConstants& c, Vec3d surface, double pressure, double volume) {
+  return (volume * c.inverse_mass * 2 * pressure) * surface;
+}
+TANDEM_HD inline double wall_continuity(Vec3d surface, Vec3d v) {
+  return -2 * dot(surface, v);
+}
+// Divided by the volume of the particle.
+TANDEM_HD inline Vec3d wall_friction(const WallConstants& c, double surface, Vec3d n, double distance,
+                                     Vec3d v) {
+  const double gap = distance > c.nearest ? distance : c.nearest;
+  return (-c.inverse_mass * c.viscous * surface / gap) * (v - dot(v, n) * n);
 }
 
 // The ghost liquid behind walls also ends at the sides of shadows, beyond edges that the liquid passes
 // around. Their integral is the sum r of `rim` of all facets near a particle: sides where ghosts border on
-// ghosts cancel in it, as those of facets that join. To the acceleration by pressure it adds V 2 p_i r,
-// without which a particle at an edge is not at rest under a constant pressure, and to the continuity the
-// adjoint, -2 r . v. Of several bodies each has the share of r that its own rim, `of_body`, has along r.
+// ghosts cancel in it, as those of facets that join. It adds to the sum of S n: without it a particle at an
+// edge is not at rest under a constant pressure. Of several bodies each has the share of r that its own rim,
+// `of_body`, has along r.
 struct Rim {
   Vec3d sum;           // r [1/m]
   double along_r = 0;  // sum over the bodies of the parts of their rims along r, as far as positive [1/m2]
@@ -67,26 +62,29 @@ struct Rim {
   TANDEM_HD double positive_part(Vec3d of_body) const { return std::fmax(0.0, dot(of_body, sum)); }
 };
 
-TANDEM_HD inline Vec3d rim_pressure(const WallConstants& c, Vec3d share, double pressure, double volume) {
-  return (volume * c.inverse_mass * 2 * pressure) * share;
-}
-TANDEM_HD inline double rim_continuity(Vec3d share, Vec3d v) {
-  return -2 * dot(share, v);
-}
-
 // The part of the acceleration by pressure that comes from the difference of the pressures of ghost and
 // particle. Particle and ghost share the gradient of the pressure, which is -rho0 times the acceleration by
 // pressure `a`. So a satisfies
-//   a = a_0 - sum over the facets of M a,   M a = V rho0 / m (n (Y . a) - B a + D a)
+//   a = a_0 - M a,   M = V rho0 / m sum over the facets of (n Y^T - B I + D)
 // where a_0 is the acceleration by the pressure of particles and by 2 p_i at walls, and Y, B and D are
-// integrals of the facet. I + M is the part of the identity that the kernel of the liquid represents
+// integrals of a facet. I + M is the part of the identity that the kernel of the liquid represents
 // [RandlesLibersky1996]. A liquid at rest, one that is accelerated with its walls and one that falls
-// freely beside a wall all follow from the one rule.
-TANDEM_HD inline Vec3d ghost_gradient(const WallConstants& c, const FacetIntegrals& f, Vec3d n, Vec3d a,
-                                      double volume) {
-  return (volume * c.density * c.inverse_mass) * (f.shadow * a - dot(f.moment, a) * n - f.sides * a);
+// freely beside a wall all follow from the one rule. This adds one facet to the sum.
+TANDEM_HD inline void add_missing(const FacetIntegrals& f, Vec3d n, Mat3d& sum) {
+  for (int a = 0; a < 3; ++a) {
+    sum.row[a] += n[a] * f.moment + f.sides.row[a];
+    sum.row[a][a] -= f.shadow;
+  }
 }
 
+TANDEM_HD inline Mat3d sum_of(Mat3d A, const Mat3d& B) {
+  for (int a = 0; a < 3; ++a) A.row[a] += B.row[a];
+  return A;
+}
+TANDEM_HD inline Mat3d product(double s, Mat3d A) {
+  for (Vec3d& row : A.row) row *= s;
+  return A;
+}
 TANDEM_HD inline Mat3d product(const Mat3d& A, const Mat3d& B) {
   Mat3d C;
   for (int a = 0; a < 3; ++a)

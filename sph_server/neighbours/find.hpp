@@ -24,7 +24,7 @@ struct ListView {
 
 // What fills a list: find(i, group, each) calls each(entry, exists) for the entries of particle i. All
 // threads of the group call it together, also for entries that do not exist. by_warps: on a GPU a warp has
-// one particle, otherwise a thread.
+// one particle, otherwise a thread; some of its entries may be dropped afterwards, see SeesNeighbour.
 
 // The facets with a point within the reach of particle i.
 struct FindFacets {
@@ -114,8 +114,17 @@ struct PlaceInCells {
   }
 };
 
-// The particles that are nearer to particle i than the support and the skins of both, and that it sees: no
-// wall is between them.
+// From the particles of an image to where they are for their neighbours [m].
+TANDEM_HD inline Vec3d shift_of(const particles::Periods& periods, particles::Image image) {
+  Vec3d shift;
+  for (int a = 0; a < 3; ++a) {
+    if (image & particles::image_above(a)) shift[a] = periods.length[a];
+    if (image & particles::image_below(a)) shift[a] = -periods.length[a];
+  }
+  return shift;
+}
+
+// The particles that are nearer to particle i than the support and the skins of both.
 template <class Real>
 struct FindNeighbours {
   static constexpr bool by_warps = true;
@@ -130,10 +139,6 @@ struct FindNeighbours {
   const Position<Real>* position = nullptr;      // of each of these
   const Vec3d* x = nullptr;                      // positions [m]
   Reaches reaches;
-  WallsView walls;
-  ListView<std::uint32_t> facets;    // near each particle
-  const float* distance = nullptr;   // see MeasureFacets
-  const float* clearance = nullptr;  // see FindClearance
 
   template <class Group, class Each>
   TANDEM_HD void operator()(std::uint32_t i, Group group, Each each) const {
@@ -152,8 +157,7 @@ struct FindNeighbours {
             const Position<Real> there = position[n];
             const Real apart2 = norm2(apart(here, there, image)),
                        reach = support + apart.unit.metres(here.radius + there.radius);
-            exists =
-                j != i && apart2 < reach * reach && is_neighbour(i, j, static_cast<float>(apart2), image);
+            exists = j != i && apart2 < reach * reach && !(grid.apart2 > 0 && is_far_away(i, j, image));
           }
           each(Neighbour(j, image), exists);
         });
@@ -227,25 +231,29 @@ struct FindNeighbours {
   // In how many runs a row may fall: by the ends of blocks, and of the period.
   TANDEM_HD std::uint32_t runs_of_row() const { return grid.periodic[0] ? 3 : 2; }
 
-  TANDEM_HD Vec3d shift_of(particles::Image image) const {
-    Vec3d shift;
-    for (int a = 0; a < 3; ++a) {
-      if (image & particles::image_above(a)) shift[a] = periods.length[a];
-      if (image & particles::image_below(a)) shift[a] = -periods.length[a];
-    }
-    return shift;
-  }
-  // Of a particle at this distance by positions that count modulo a length.
-  TANDEM_HD bool is_neighbour(std::uint32_t i, std::uint32_t j, float apart2, particles::Image image) const {
-    const float length = std::sqrt(apart2);
-    const bool far_cells = grid.apart2 > 0;
-    if (!far_cells && (length < clearance[i] || length < clearance[i] + clearance[j])) return true;
-    const Vec3d from = x[i] - shift_of(image), d = x[j] - from;
+  // Positions count modulo a length, and numbers of cells repeat in vast domains.
+  TANDEM_HD bool is_far_away(std::uint32_t i, std::uint32_t j, particles::Image image) const {
     const double reach = reaches.to_neighbours(i);
-    if (far_cells && norm2(d) > 2 * reach * reach) return false;
-    if (length < clearance[i] + clearance[j]) return true;
+    return norm2(x[j] - x[i] + shift_of(periods, image)) > 2 * reach * reach;
+  }
+};
+
+// Does a particle beside walls see a neighbour: is no wall between them?
+struct SeesNeighbour {
+  particles::Periods periods;
+  const Vec3d* x = nullptr;  // positions [m]
+  WallsView walls;
+  ListView<std::uint32_t> facets;    // near each particle
+  const float* distance = nullptr;   // see MeasureFacets
+  const float* clearance = nullptr;  // see FindClearance
+
+  TANDEM_HD bool operator()(std::uint32_t i, Neighbour neighbour) const {
+    const std::uint32_t j = neighbour.index();
+    const Vec3d d = x[j] - x[i] + shift_of(periods, neighbour.image());
+    const auto apart = static_cast<float>(norm(d));
+    if (apart < clearance[i] + clearance[j]) return true;
     return !walls.between(facets.entry + facets.start[i], facets.entry + facets.start[i + 1],
-                          distance + facets.start[i], length, x[i], x[i] + d);
+                          distance + facets.start[i], apart, x[i], x[i] + d);
   }
 };
 

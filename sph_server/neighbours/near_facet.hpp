@@ -37,9 +37,9 @@ TANDEM_HD inline double share_around(const NearFacet& f, Vec3d point, double dis
 
 // On which side of a closed surface is x: 1 that of the normals, -1 the other? By the angle-weighted normal
 // at the nearest point [BaerentzenAanaes2005]. 0 where all facets of the surface face x, and where the answer
-// could depend on rounding.
-TANDEM_HD inline int side_of_surface(Vec3d x, const NearFacet* facet, std::uint32_t count,
-                                     std::uint32_t surface, double R) {
+// could depend on rounding. facet(k): one of `count` facets near x, with those of other surfaces.
+template <class FacetAt>
+TANDEM_HD int side_of_surface(Vec3d x, FacetAt facet, std::uint32_t count, std::uint32_t surface, double R) {
   bool front = false, back = false;
   double nearest = R;
   particles::WallContact contact;
@@ -47,7 +47,7 @@ TANDEM_HD inline int side_of_surface(Vec3d x, const NearFacet* facet, std::uint3
     return particles::touch_triangle(particles::Facet{f.a, f.b, f.c, f.normal}, x, range, contact);
   };
   for (std::uint32_t k = 0; k < count; ++k) {
-    const NearFacet& f = facet[k];
+    const NearFacet& f = facet(k);
     if (f.surface != surface) continue;
     (f.height < 0 ? back : front) = true;
     if (std::fabs(f.height) < nearest && touches(f, nearest)) nearest += contact.gap;
@@ -57,7 +57,7 @@ TANDEM_HD inline int side_of_surface(Vec3d x, const NearFacet* facet, std::uint3
   const double range = nearest + 1e-9 * R;
   double along = 0, weight = 0, highest = 0;
   for (std::uint32_t k = 0; k < count; ++k) {
-    const NearFacet& f = facet[k];
+    const NearFacet& f = facet(k);
     if (f.surface != surface || std::fabs(f.height) > range || !touches(f, range)) continue;
     const double share = share_around(f, contact.point, contact.gap + range);
     along += share * f.height;
@@ -78,7 +78,8 @@ TANDEM_HD inline void turn_away_backs(Vec3d x, NearFacet* facet, std::uint32_t c
     if (f.surface == 0) continue;
     if (f.surface != known) {
       known = f.surface;
-      side = side_of_surface(x, facet, count, known, R);
+      side = side_of_surface(
+          x, [facet](std::uint32_t n) -> const NearFacet& { return facet[n]; }, count, known, R);
     }
     f.faces_away = side != 0 && (f.height < 0 ? -1 : 1) != side;
   }

@@ -72,9 +72,14 @@ struct WallsView {
     particles::WallContact contact;
     return particles::touch_triangle(facet[number], into_body(facet[number].body, x), radius, contact);
   }
-  TANDEM_HD NearFacet seen_from(Vec3d x, std::uint32_t number) const {
+  // Without the cone.
+  TANDEM_HD NearFacet beside(Vec3d x, std::uint32_t number) const {
     NearFacet near = in_world(number);
     near.height = dot(x - near.a, near.normal);
+    return near;
+  }
+  TANDEM_HD NearFacet seen_from(Vec3d x, std::uint32_t number) const {
+    NearFacet near = beside(x, number);
     near.cone = ViewCone::of(x, near.a, near.b, near.c);
     return near;
   }

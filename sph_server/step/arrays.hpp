@@ -49,7 +49,11 @@ enum class Sight : std::uint8_t { nothing, whole, partial };
 struct WallArrays {
   ListView<std::uint32_t> facets;           // with a point within the reach when the list was built
   const std::uint32_t* particle = nullptr;  // of each entry of `facets`
-  // Where in `near` the facet of an entry is; `nowhere` if it has no point within the support now (entries).
+  // On which side of its closed surface the particle of an entry is, see side_of_surface(); null where no
+  // surface is closed. Particles do not pass walls while a list serves.
+  std::int8_t* side = nullptr;
+  // Where in `near` the facet of an entry is; `nowhere` if it has no point within the support now, or faces
+  // away (entries).
   std::uint32_t* place = nullptr;
   static constexpr std::uint32_t nowhere = ~std::uint32_t{0};
   // The facets that a particle may see: the first near_count[i] from facets.start[i] on.
@@ -58,6 +62,9 @@ struct WallArrays {
   Hiders* hiders = nullptr;  // of each of these facets, where `sight` is partial
   Sight* sight = nullptr;
   SeenFacet* seen = nullptr;
+  // Where the facets are seen from: the place of each particle near walls, or where it will be in the middle
+  // of the steps that use `seen` [m].
+  Vec3d* viewpoint = nullptr;
   Vec3d* by_pressure =
       nullptr;  // acceleration of each particle near walls by pressure, ghosts included [m/s2]
 };
@@ -70,7 +77,8 @@ struct FacetsOfParticle {
   // One past the last facet of the body that facet k belongs to.
   TANDEM_HD int end_of_body(int k) const {
     const std::uint32_t body = facet[k].body;
-    while (k < count && facet[k].body == body) ++k;
+    if (facet[count - 1].body == body) return count;
+    while (facet[k].body == body) ++k;
     return k;
   }
 };

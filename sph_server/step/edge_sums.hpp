@@ -69,13 +69,14 @@ struct SumEdges {
                      Bodies& bodies) const {
     const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
     const Triangle of_f{{f.a, f.b, f.c}, f.normal}, of_g{{g.a, g.b, g.c}, g.normal};
+    const Vec3d view = arrays.viewpoint[i];
     Vec3d strip[4], outward;
     Vec3d force;
-    if (strip_beyond(of_f, of_g, x, 2 * kernel.R, edge_gap * spacing, strip))
-      force = push(i, x, strip, f.normal) * (dot(x - f.a, f.normal) < 0 ? f.normal : -f.normal);
-    else if (strip_between(of_f, of_g, x, 2 * kernel.R, edge_gap * spacing, strip, outward))
+    if (strip_beyond(of_f, of_g, view, 2 * kernel.R, edge_gap * spacing, strip))
+      force = push(i, view, strip, f.normal) * (dot(view - f.a, f.normal) < 0 ? f.normal : -f.normal);
+    else if (strip_between(of_f, of_g, view, 2 * kernel.R, edge_gap * spacing, strip, outward))
       // Half of it, since the particles on both sides press, and the half of that again for g and f.
-      force = -0.25 * push(i, x, strip, outward) * outward;
+      force = -0.25 * push(i, view, strip, outward) * outward;
     else
       return;
     force = particles::rounded(force, quanta.acceleration);

@@ -19,19 +19,64 @@ struct NameParticles {
   }
 };
 
-// Marks the entries whose facet has a point within the support.
+// Where particles beside walls see them from.
 template <class Real>
-struct MarkFacets {
+struct ChooseViewpoints {
   LiquidArrays<Real> liquid;
   WallArrays arrays;
-  WallsView walls;
   particles::CentreUnit<Real> centres;
+  const std::uint32_t* beside_wall = nullptr;  // the particles
+  double ahead = 0;                            // [s]
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    const std::uint32_t i = beside_wall[k];
+    const particles::FinePart<Real> fine = liquid.fine_part(i);
+    arrays.viewpoint[i] = centres.metres(centres.joined(liquid.position[i], fine)) +
+                          ahead * particles::velocity_of(liquid.velocity[i], fine);
+  }
+};
+
+// Finds the sides of closed surfaces on which a particle is when lists are built.
+struct FindSides {
+  WallsView walls;
+  ListView<std::uint32_t> facets;
+  const std::uint32_t* beside_wall = nullptr;  // the particles
+  const Vec3d* x = nullptr;                    // of each particle [m]
+  double reach = 0;                            // of the lists [m]
+  std::int8_t* side = nullptr;                 // see WallArrays
+
+  TANDEM_HD void operator()(std::uint32_t k) const {
+    const std::uint32_t i = beside_wall[k], begin = facets.start[i], count = facets.end[i] - begin;
+    const auto facet = [this, i, begin](std::uint32_t n) {
+      return walls.beside(x[i], facets.entry[begin + n]);
+    };
+    std::uint32_t known = 0;
+    int of_known = 0;
+    for (std::uint32_t n = 0; n < count; ++n) {
+      const std::uint32_t surface = walls.surface[facets.entry[begin + n]];
+      if (surface != 0 && surface != known) {
+        known = surface;
+        of_known = side_of_surface(x[i], facet, count, known, reach);
+      }
+      side[begin + n] = static_cast<std::int8_t>(surface != 0 ? of_known : 0);
+    }
+  }
+};
+
+// Marks the entries whose facet has a point within the support, and does not face away as part of a closed
+// surface: what a particle would see of such a one is behind others.
+struct MarkFacets {
+  WallArrays arrays;
+  WallsView walls;
   double support = 0;  // [m]
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
-    const std::uint32_t i = arrays.particle[entry];
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    arrays.place[entry] = walls.is_within(support, x, arrays.facets.entry[entry]) ? 1 : WallArrays::nowhere;
+    const Vec3d x = arrays.viewpoint[arrays.particle[entry]];
+    const std::uint32_t facet = arrays.facets.entry[entry];
+    const int side = arrays.side ? arrays.side[entry] : 0;
+    const bool near = (side == 0 || (walls.beside(x, facet).height < 0 ? -1 : 1) == side) &&
+                      walls.is_within(support, x, facet);
+    arrays.place[entry] = near ? 1 : WallArrays::nowhere;
   }
 };
 
@@ -50,41 +95,15 @@ struct NumberFacets {
 };
 
 // The facet of a marked entry in world axes.
-template <class Real>
 struct PlaceFacet {
-  LiquidArrays<Real> liquid;
   WallArrays arrays;
   WallsView walls;
-  particles::CentreUnit<Real> centres;
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t place = arrays.place[entry];
     if (place == WallArrays::nowhere) return;
-    const std::uint32_t i = arrays.particle[entry];
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    arrays.near[place] = walls.seen_from(x, arrays.facets.entry[entry]);
-  }
-};
-
-// Takes the facets of closed surfaces out that face away from a particle.
-template <class Real>
-struct RemoveBacks {
-  LiquidArrays<Real> liquid;
-  WallArrays arrays;
-  const std::uint32_t* surface = nullptr;  // see WallsView
-  particles::CentreUnit<Real> centres;
-  const std::uint32_t* beside_wall = nullptr;  // see NumberFacets
-  double support = 0;                          // [m]
-
-  TANDEM_HD void operator()(std::uint32_t k) const {
-    const std::uint32_t i = beside_wall[k], begin = arrays.facets.start[i], end = arrays.facets.end[i];
-    bool any_closed = false;
-    for (std::uint32_t n = begin; n < end && !any_closed; ++n)
-      any_closed = arrays.place[n] != WallArrays::nowhere && surface[arrays.facets.entry[n]] != 0;
-    if (any_closed)
-      arrays.near_count[i] =
-          without_backs(centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i))),
-                        arrays.near + begin, arrays.near_count[i], support);
+    arrays.near[place] =
+        walls.seen_from(arrays.viewpoint[arrays.particle[entry]], arrays.facets.entry[entry]);
   }
 };
 
@@ -98,19 +117,15 @@ struct IsNear {
 };
 
 // What hides parts of a facet from a particle.
-template <class Real>
 struct FindHiders {
-  LiquidArrays<Real> liquid;
   WallArrays arrays;
-  particles::CentreUnit<Real> centres;
   WallKernel kernel;
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i],
                         count = arrays.near_count[i];
     const FacetsOfParticle near{arrays.near + begin, static_cast<int>(count)};
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
-    const Hiders hiders = hiders_of(x, near, static_cast<int>(entry - begin), kernel);
+    const Hiders hiders = hiders_of(arrays.viewpoint[i], near, static_cast<int>(entry - begin), kernel);
     arrays.hiders[entry] = hiders;
     arrays.sight[entry] = hiders == 0 ? Sight::whole : Sight::partial;
   }
@@ -123,16 +138,14 @@ struct HasSight {
 };
 
 // One facet as one particle sees it: all of it, or what others leave of it. The latter takes far longer.
-template <class Real, Sight sight>
+template <Sight sight>
 struct SeeFacets {
-  LiquidArrays<Real> liquid;
   WallArrays arrays;
-  particles::CentreUnit<Real> centres;
   WallKernel kernel;
 
   TANDEM_HD void operator()(std::uint32_t entry) const {
     const std::uint32_t i = arrays.particle[entry], begin = arrays.facets.start[i];
-    const Vec3d x = centres.metres(centres.joined(liquid.position[i], liquid.fine_part(i)));
+    const Vec3d x = arrays.viewpoint[i];
     bool complete = true;
     if constexpr (sight == Sight::whole) {
       arrays.seen[entry].integrals = whole_integrals(x, arrays.near[entry], kernel);

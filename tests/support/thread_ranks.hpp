@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <barrier>
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -83,7 +85,8 @@ class ThreadRanks final : public particles::Ranks {
   std::vector<std::int64_t> weights_;  // empty: equal ones
 };
 
-// Runs work(ranks) on so many ranks.
+// Runs work(ranks) on so many ranks. The others cannot go on without a rank that fails: the program then ends
+// with its error.
 template <class Work>
 void on_ranks(unsigned size, Work work) {
   ThreadRanks::Team team(size);
@@ -92,7 +95,12 @@ void on_ranks(unsigned size, Work work) {
     threads.emplace_back([&, rank] {
       particles::use_cuda_device(rank);
       ThreadRanks ranks(rank, team);
-      work(ranks);
+      try {
+        work(ranks);
+      } catch (const std::exception& error) {
+        std::fprintf(stderr, "rank %u of %u: %s\n", rank, size, error.what());
+        std::abort();
+      }
     });
 }
 

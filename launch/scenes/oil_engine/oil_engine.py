@@ -64,10 +64,11 @@ def scene(name, spacing, rpm, revolutions, level=LEVEL, spheres=False):
     tip = speed * (CRANK + BIG_END)
     volume = CASE[0] * CASE[1] * (level - BOTTOM)
     turn = 60 / rpm
-    # Windows are whole parts of a revolution, and hold two steps of the liquid.
+    # Windows are whole parts of a revolution, and hold four steps of the liquid.
     sound = 10 * 1.3 * tip
-    step = 0.25 * 1.5 * spacing / (sound + tip)
-    nanoseconds, windows = round(turn * 1e9), math.ceil(turn / (2 * step))
+    step = 0.3 * 1.5 * spacing / (sound + tip)
+    window = 2 / 1.2 * step if spheres else 4 * step
+    nanoseconds, windows = round(turn * 1e9), math.ceil(turn / window)
     while nanoseconds % windows:
         windows += 1
     window = nanoseconds // windows / 1e9

@@ -211,8 +211,11 @@ def scene(name, spacing, spheres=False, baffles=True, end=END):
         walls += [{"name": f"baffle_{k}", "use": "wall", "position": vector(x, 0, 0), **wall, "shape": {"type": "mesh", "file": "baffle_coarse.obj" if spacing > 0.05 else "baffle.obj"}}
                   for k, x in ((1, LENGTH / 6), (2, -LENGTH / 6))]
     oil = OIL_DENSITY * OIL_VOLUME
-    window = 0.0022 if spacing > 0.05 else 0.001
+    coarse = spacing > 0.05
+    window = 0.001 if not coarse else 0.0022 if spheres else 0.0025    # two steps of the coarse liquid
     mbd = truck(oil, walls)
+    if coarse and not spheres:
+        mbd["integrator"]["step"] = 0.00125
     regions = [{"name": "oil", "body": "tank", "shape": {"type": "box", "size": vector(LENGTH + 0.2, 2 * RADIUS + 0.2, 2 * RADIUS + 0.2)}}]
     for part, k in (("front", 1), ("middle", 0), ("rear", -1)):
         regions.append({"name": f"{part}_space", "body": "tank", "position": vector(k * (LENGTH / 3 + 0.05), 0, 0),
@@ -254,7 +257,7 @@ def scene(name, spacing, spheres=False, baffles=True, end=END):
     stopping = (speed * BRAKE_RISE - DECELERATION * BRAKE_RISE ** 2 / 6
                 + (speed - DECELERATION * BRAKE_RISE / 2) ** 2 / 2 / (DECELERATION + ROLLING * G))
     front = SPEED * BRAKE + stopping      # of the front axle in the end
-    result["output"] = {"frame_interval": 0.088, "plots": plots,
+    result["output"] = {"frame_interval": 0.095 if coarse and not spheres else 0.088, "plots": plots,
                         "camera": {"eye": vector(front + 1.5, way - 11.5, 4.6), "target": vector(front - 2.9, way, 1.35), "field_of_view": 40}}
     checks = []
 

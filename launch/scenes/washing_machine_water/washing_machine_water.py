@@ -192,7 +192,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     everywhere = {"name": "water", "body": "tub", "position": [0, -TUB_Y, 0], "orientation": about_y,
                   "shape": {"type": "cylinder", "radius": TUB_RADIUS + 0.05, "height": number(TUB_LENGTH)}}
     in_drum = {"name": "in_drum", "body": "drum", "orientation": about_y, "shape": {"type": "cylinder", "radius": DRUM_RADIUS, "height": DRUM_LENGTH}}
-    window = 0.0008 if coarse else 0.0005
+    window = 0.0005 if not coarse else 0.0008 if spheres else 0.001    # two steps of the coarse water
     result = {"tandem": "1.1", "name": name, "description": DESCRIPTION, "end_time": end, "coupling": {"window": window},
               "mbd": {"integrator": {"rho_inf": 0.9}, "bodies": bodies, "joints": joints, "forces": forces}}
     young, poisson = (1e8 if spheres else 8e6), 0.3
@@ -228,7 +228,7 @@ def scene(name, spacing, spheres=False, water=WATER, end=END):
     elif water:
         result["sph"] = {
             "spacing": spacing, **({"wall_deviation": 0.1} if coarse else {}),
-            "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "artificial_viscosity": 0.05, "expected_speed": 1.95 if coarse else 2.5,
+            "liquids": [{"name": "water", "density": 1000, "viscosity": 0.001, "artificial_viscosity": 0.05, "expected_speed": 1.95 if coarse else 2,
                          "fill": [{"type": "inside", "wall": "tub_shell", "volume": number(water / 1000)}]}],
             # Pressure on the round tub passes the axis: without friction its torque is that of its shape in faces.
             "pairs": [{"liquid": "water", "body": "tub", "wall_friction": "free_slip"}],

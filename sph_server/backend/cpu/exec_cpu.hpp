@@ -57,6 +57,21 @@ class CpuExec : public particles::HostExec {
     grow(list.entry, total);
     Entry* to = list.entry.data();
     for (const auto& part : found) to = std::copy(part.begin(), part.end(), to);
+    if constexpr (Find::by_warps) {
+      grow(list.end, n);
+      std::copy(count + 1, count + n + 1, list.end.data());
+    }
+  }
+
+  // Of the n particles listed, drops the entries for which keep(i, entry) does not hold.
+  template <class Entry, class Keep>
+  void keep_entries(std::uint32_t n, const std::uint32_t* particle, Keep keep, List<CpuExec, Entry>& list) {
+    for_each(
+        n, [=, start = list.start.data(), end = list.end.data(), entry = list.entry.data()](std::uint32_t k) {
+          const std::uint32_t i = particle[k];
+          end[i] = static_cast<std::uint32_t>(
+              std::remove_if(entry + start[i], entry + end[i], [&](Entry e) { return !keep(i, e); }) - entry);
+        });
   }
 
   // f(i) for those numbers below n of which where(i) holds.

@@ -105,6 +105,30 @@ __global__ void __launch_bounds__(list_warps* particles::WarpGroup::size, 4)
   }
 }
 
+// A warp drops entries of one of the n particles listed, and moves the others together.
+template <class Entry, class Keep>
+__global__ void __launch_bounds__(particles::block_threads)
+    keep_kernel(std::uint32_t n, const std::uint32_t* particle, Keep keep, const std::uint32_t* start,
+                std::uint32_t* end, Entry* entry) {
+  const particles::WarpGroup group;
+  const unsigned lane = threadIdx.x % particles::WarpGroup::size;
+  const std::uint32_t k = (blockIdx.x * blockDim.x + threadIdx.x) / particles::WarpGroup::size;
+  if (k >= n) return;
+  const std::uint32_t i = particle[k], last = end[i];
+  std::uint32_t to = start[i];
+  for (std::uint32_t from = to; from < last; from += particles::WarpGroup::size) {
+    const bool exists = from + lane < last;
+    const Entry e = entry[exists ? from + lane : from];
+    std::uint32_t kept = 0;
+    const bool stays = exists && keep(i, e);
+    const std::uint32_t mine = to + group.before(stays, kept);
+    if (stays) entry[mine] = e;
+    to += kept;
+  }
+  __syncwarp();
+  if (group.first()) end[i] = to;
+}
+
 // The numbers below n for which where(i) holds.
 template <class Where>
 struct Chosen {
@@ -412,6 +436,15 @@ class CudaExec : public particles::DeviceExec {
       if (list.entry.size() < list.total) list.entry.resize(list.total + list.total / 8);
       fill(n, WriteEntries<Entry, Find>{find, list.start.data(), list.entry.data()});
     }
+  }
+
+  template <class Entry, class Keep>
+  void keep_entries(std::uint32_t n, const std::uint32_t* particle, Keep keep, List<CudaExec, Entry>& list) {
+    if (n == 0) return;
+    const unsigned threads = block(particles::block_threads);
+    keep_kernel<<<blocks(n * particles::WarpGroup::size, threads), threads, 0, stream_>>>(
+        n, particle, keep, list.start.data(), list.end.data(), list.entry.data());
+    particles::check_cuda(cudaGetLastError(), "starting a kernel");
   }
 
   template <class Sum>

@@ -198,7 +198,7 @@ TEST(StepLimits, NameTheSmallest) {
   liquid.spacing = 0.01;
   const double h = 0.015;
   StepLimits limits = step_limits(liquid, 2, 0);
-  EXPECT_DOUBLE_EQ(limits.smallest, 0.25 * h / 22);
+  EXPECT_DOUBLE_EQ(limits.smallest, 0.3 * h / 22);
   liquid.viscosity = 1e4;
   limits = step_limits(liquid, 2, 0);
   EXPECT_DOUBLE_EQ(limits.smallest, 0.05 * h * h * 1000 / 1e4);
@@ -235,14 +235,14 @@ TEST(Rim, IsSharedOutOverTheBodies) {
   EXPECT_EQ(rim_of({one, -one}).share(one), Vec3d{});
 }
 
-TEST(Rim, HasAContinuityThatIsTheAdjointOfItsPressure) {
+TEST(Walls, HaveAContinuityThatIsTheAdjointOfTheirPressure) {
   Liquid liquid;
   liquid.spacing = 0.01;
   const auto c = WallConstants::of(liquid);
-  const Vec3d share{20, -7, 3}, v{0.2, 0.5, -0.1};
+  const Vec3d surface{20, -7, 3}, v{0.2, 0.5, -0.1};
   const double pressure = 900, volume = 1.02e-6;
-  EXPECT_NEAR(liquid.mass() * dot(rim_pressure(c, share, pressure, volume), v),
-              -pressure * volume * rim_continuity(share, v), 1e-15);
+  EXPECT_NEAR(liquid.mass() * dot(wall_pressure(c, surface, pressure, volume), v),
+              -pressure * volume * wall_continuity(surface, v), 1e-15);
 }
 
 }  // namespace

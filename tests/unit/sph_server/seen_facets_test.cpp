@@ -173,7 +173,9 @@ TEST(SeenFacets, OfClosedSurfacesFaceThePoint) {
       if (distance_to(all, x) < 1e-3 || distance_to(all, x) >= R) continue;
       ++points;
       const auto count = static_cast<std::uint32_t>(all.count);
-      const int side = side_of_surface(x, all.facet.data(), count, 1, R),
+      const int side = side_of_surface(
+                    x, [&all](std::uint32_t facet) -> const NearFacet& { return all.facet[facet]; }, count, 1,
+                    R),
                 expected = (winding_number(mesh, x) < 0.5) != inwards ? 1 : -1;
       EXPECT_TRUE(side == 0 || side == expected) << x.x << " " << x.y << " " << x.z;
       const bool mixed = std::ranges::any_of(all.facet, [](const NearFacet& f) { return f.height > 0; }) &&

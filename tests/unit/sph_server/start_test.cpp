@@ -586,7 +586,7 @@ TEST(LiquidStart, MemoryIsPredicted) {
     const double before = used();
     const auto engine = sph::make_liquid_engine(start.setup, true);
     engine->set_state(particles, start.poses);
-    engine->step(1e-6);
+    engine->step(1e-6, start.poses);
     if (copy) engine->save();
     const double predicted =
         static_cast<double>(sph::predicted_bytes(particles.size(), start.setup, true, copy));

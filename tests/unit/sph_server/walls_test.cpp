@@ -245,7 +245,7 @@ TEST(Skin, FollowsTheSpeedBetweenTwoBounds) {
   l.sound_speed = 20;
   const SkinRule rule = SkinRule::of(l, 1e300);
   EXPECT_FLOAT_EQ(rule.at_speed(0), 0.005F);
-  EXPECT_FLOAT_EQ(rule.at_speed(0.5), static_cast<float>(0.005 + 0.5 * 8 * 0.25 * l.h() / 20));
+  EXPECT_FLOAT_EQ(rule.at_speed(0.5), static_cast<float>(0.005 + 0.5 * 8 * 0.3 * l.h() / 20));
   EXPECT_FLOAT_EQ(rule.at_speed(2), 0.03F);
 }
 

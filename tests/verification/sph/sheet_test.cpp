@@ -114,7 +114,7 @@ TEST(Liquid, RefusesAStepThatIsTooLong) {
   engine->set_state(jet.start);
   const double longest = step_limits(jet.setup.liquid, Jet::speed, 0).smallest;
   EXPECT_EQ(error_of([&] { engine->step(1.01 * longest); }),
-            "numerics: liquid: a step of 0.000114773 s, where sound and speed allow 0.000113636 s, viscosity "
+            "numerics: liquid: a step of 0.000137727 s, where sound and speed allow 0.000136364 s, viscosity "
             "inf s and "
             "acceleration inf s (take a step of at most the smallest of them)");
   EXPECT_EQ(error_of([&] { engine->step(longest); }), "no error");
