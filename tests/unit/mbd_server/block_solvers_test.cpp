@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -88,6 +89,23 @@ TEST(BlockSolvers, BothSolveAsTheDenseFactorisation) {
     EXPECT_LT(error_of(A, r, y), 1e-9);
     EXPECT_GT(iterative.iterations(), 3);
   }
+}
+
+// With a part that is not symmetric, as friction has that slides: u w^T of neighbours.
+TEST(BlockSolvers, AMatrixThatIsNotSymmetricIsSolved) {
+  const BlockMatrix A = contacts(8, 6, 5);
+  const Vector6d u = Vector6d::LinSpaced(6, -1, 2), w = Vector6d::LinSpaced(6, 1, -0.5);
+  const auto add = [&](const std::vector<Vector6d>& x, std::vector<Vector6d>& y) {
+    for (std::size_t i = 1; i < x.size(); ++i) y[i] += w.dot(x[i - 1]) * u;
+  };
+  Eigen::MatrixXd all = dense(A);
+  for (int i = 1; i < A.rows(); ++i) all.block<6, 6>(6 * i, 6 * i - 6) += u * w.transpose();
+  const std::vector<Vector6d> r = right_side(A);
+  std::vector<Vector6d> x = r;
+  ConjugateGradients iterative;
+  ASSERT_TRUE(iterative.solve(A, add, 1e-10, x));
+  const VectorXd exact = all.partialPivLu().solve(stacked(r));
+  EXPECT_LT((stacked(x) - exact).norm(), 1e-8 * exact.norm());
 }
 
 TEST(BlockSolvers, ThePreconditionerOfAChainIsExact) {
