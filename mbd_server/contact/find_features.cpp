@@ -2,6 +2,7 @@
 // which they are farthest apart, and the part of a face of one above a face of the other.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "mbd_server/contact/mesh_features.hpp"
 #include "mbd_server/contact/solid.hpp"
@@ -29,8 +30,8 @@ std::size_t at(int i) {
 class FeatureFinder {
  public:
   FeatureFinder(const Solid& a, const Solid& b, double reach, std::int64_t preferred,
-                std::vector<ContactFeature>& out)
-      : a_(a), b_(b), reach_(reach), preferred_(preferred), out_(out) {}
+                std::vector<ContactFeature>& out, int& apart)
+      : a_(a), b_(b), reach_(reach), preferred_(preferred), out_(out), apart_(apart) {}
 
   // The corners of `a`, its ends or its centre on the plane b.
   void on_plane(const Solid& a, const Solid& plane) {
@@ -194,33 +195,48 @@ class FeatureFinder {
       if (code == preferred_) kept = {apart, code, kind, i, k};
     };
     const double slack = hysteresis * std::min(a_.shape.thickness, b_.shape.thickness);
-    for (std::size_t i = 0; i < a_.shape.faces.size(); ++i) {
-      const Vector3d n = a_.normal(i);
-      consider(b_.lowest(n) - n.dot(a_.on_face(i)), code_of(Family::face_a, static_cast<std::int64_t>(i)), 0,
-               i, 0, slack);
-    }
-    if (best.apart - slack > reach_) return;
-    for (std::size_t i = 0; i < b_.shape.faces.size(); ++i) {
-      const Vector3d n = b_.normal(i);
-      consider(a_.lowest(n) - n.dot(b_.on_face(i)), code_of(Family::face_b, static_cast<std::int64_t>(i)), 1,
-               i, 0, slack * (1 - 1e-3));
-    }
-    if (best.apart - slack > reach_) return;
-    for (std::size_t i = 0; i < a_.shape.edges.size(); ++i)
-      for (std::size_t k = 0; k < b_.shape.edges.size(); ++k) {
-        if (!facing(i, k)) continue;
-        const ContactShape::Edge &e = a_.shape.edges[i], &g = b_.shape.edges[k];
-        const Vector3d p = a_.points[at(e.from)], q = b_.points[at(g.from)], u = a_.points[at(e.to)] - p,
-                       v = b_.points[at(g.to)] - q;
-        Vector3d n = u.cross(v);
-        if (n.norm() <= parallel * u.norm() * v.norm()) continue;
-        n.normalize();
-        if (n.dot(p - a_.centre) < 0) n = -n;
-        consider(n.dot(q - p),
-                 code_of(Family::lines, static_cast<std::int64_t>(i), static_cast<std::int64_t>(k)), 2, i, k,
-                 0);
+    const std::size_t faces_a = a_.shape.faces.size(), faces_b = b_.shape.faces.size();
+    // The distance along the normal of a face of a, then of b, and its bonus.
+    const auto along = [&](std::size_t face) {
+      const bool of_a = face < faces_a;
+      const Solid &base = of_a ? a_ : b_, &other = of_a ? b_ : a_;
+      const std::size_t i = of_a ? face : face - faces_a;
+      const Vector3d& n = base.normal(i);
+      return std::pair(other.lowest(n) - n.dot(base.on_face(i)), of_a ? slack : slack * (1 - 1e-3));
+    };
+    const auto separates = [&](double apart, double bonus) { return apart + bonus - slack > reach_; };
+    // Farther apart along two edges than that, no face bears.
+    const double beyond = reach_ + 1.01 * slack;
+    const std::size_t faces = faces_a + faces_b, edges_b = b_.shape.edges.size();
+    if (apart_ != none) {
+      const std::size_t axis = at(apart_);
+      if (axis < faces) {
+        if (const auto [apart, bonus] = along(axis); separates(apart, bonus)) return;
+      } else if (const std::size_t i = (axis - faces) / edges_b, k = (axis - faces) % edges_b; facing(i, k)) {
+        if (const auto apart = between_edges(i, k); apart && *apart > beyond) return;
       }
-    if (best.apart - (best.kind == 2 ? 0 : slack) > reach_) return;
+      apart_ = none;
+    }
+    for (std::size_t face = 0; face < faces; ++face) {
+      const auto [apart, bonus] = along(face);
+      if (separates(apart, bonus)) {
+        apart_ = static_cast<int>(face);
+        return;
+      }
+      const bool of_a = face < faces_a;
+      const std::size_t i = of_a ? face : face - faces_a;
+      consider(apart, code_of(of_a ? Family::face_a : Family::face_b, static_cast<std::int64_t>(i)),
+               of_a ? 0 : 1, i, 0, bonus);
+    }
+    for_each_facing([&](std::size_t i, std::size_t k) {
+      if (const auto apart = between_edges(i, k))
+        consider(*apart, code_of(Family::lines, static_cast<std::int64_t>(i), static_cast<std::int64_t>(k)),
+                 2, i, k, 0);
+    });
+    if (best.apart - (best.kind == 2 ? 0 : slack) > reach_) {
+      if (best.kind == 2 && best.apart > beyond) apart_ = static_cast<int>(faces + best.i * edges_b + best.k);
+      return;
+    }
     if (kept.code >= 0 && kept.apart + slack >= best.apart - slack) best = kept;
     if (best.kind == 0) return face_on_face(a_, best.i, b_, best.code);
     if (best.kind == 1) return face_on_face(b_, best.i, a_, best.code);
@@ -257,16 +273,47 @@ class FeatureFinder {
     out_.push_back(f);
   }
 
-  // Whether the two edges may be where the two are nearest: their arcs of normals cross (Gauss map).
+  // Distance of two edges across both; none: they are parallel.
+  std::optional<double> between_edges(std::size_t i, std::size_t k) const {
+    const ContactShape::Edge &e = a_.shape.edges[i], &g = b_.shape.edges[k];
+    const Vector3d p = a_.points[at(e.from)], q = b_.points[at(g.from)], u = a_.points[at(e.to)] - p,
+                   v = b_.points[at(g.to)] - q;
+    Vector3d n = u.cross(v);
+    if (n.norm() <= parallel * u.norm() * v.norm()) return {};
+    n.normalize();
+    if (n.dot(p - a_.centre) < 0) n = -n;
+    return n.dot(q - p);
+  }
+
+  static bool crosses(double cba, double dba, double adc, double bdc) {
+    return cba * dba < 0 && adc * bdc < 0 && cba * bdc > 0;
+  }
   bool facing(std::size_t i, std::size_t k) const {
-    const auto& fa = a_.shape.edges[i].faces;
-    const auto& fb = b_.shape.edges[k].faces;
-    // With a and b, the normals of a_, and c and d, those of b_ turned round.
+    const auto &fa = a_.shape.edges[i].faces, &fb = b_.shape.edges[k].faces;
     const Vector3d &ba = a_.across_arc(i), &dc = b_.across_arc(k);
-    const double cba = -b_.normal(at(fb[0])).dot(ba), dba = -b_.normal(at(fb[1])).dot(ba);
-    if (!(cba * dba < 0)) return false;
-    const double adc = a_.normal(at(fa[0])).dot(dc), bdc = a_.normal(at(fa[1])).dot(dc);
-    return adc * bdc < 0 && cba * bdc > 0;
+    return crosses(-b_.normal(at(fb[0])).dot(ba), -b_.normal(at(fb[1])).dot(ba), a_.normal(at(fa[0])).dot(dc),
+                   a_.normal(at(fa[1])).dot(dc));
+  }
+  // Pairs of edges that may be where the two are nearest: their arcs of normals cross (Gauss map).
+  template <class F>
+  void for_each_facing(F&& f) const {
+    const std::size_t faces_a = a_.shape.faces.size(), faces_b = b_.shape.faces.size();
+    // With the normals a and b, of a_, and c and d, those of b_ turned round.
+    std::vector<double> by_dc, by_ba(faces_b);  // (edges of b_, faces of a_), (faces of b_)
+    by_dc.reserve(b_.shape.edges.size() * faces_a);
+    for (std::size_t k = 0; k < b_.shape.edges.size(); ++k)
+      for (std::size_t face = 0; face < faces_a; ++face)
+        by_dc.push_back(a_.normal(face).dot(b_.across_arc(k)));
+    for (std::size_t i = 0; i < a_.shape.edges.size(); ++i) {
+      for (std::size_t face = 0; face < faces_b; ++face) by_ba[face] = -b_.normal(face).dot(a_.across_arc(i));
+      const auto& fa = a_.shape.edges[i].faces;
+      for (std::size_t k = 0; k < b_.shape.edges.size(); ++k) {
+        const auto& fb = b_.shape.edges[k].faces;
+        const double cba = by_ba[at(fb[0])], dba = by_ba[at(fb[1])];
+        const double adc = by_dc[k * faces_a + at(fa[0])], bdc = by_dc[k * faces_a + at(fa[1])];
+        if (crosses(cba, dba, adc, bdc)) f(i, k);
+      }
+    }
   }
 
   // The part of the face of `other` opposite to a face of `base` that is above it: its corners touch.
@@ -310,6 +357,7 @@ class FeatureFinder {
   double reach_;
   std::int64_t preferred_;
   std::vector<ContactFeature>& out_;
+  int& apart_;
 };
 
 // Whether shape a is touched as a mesh by b.
@@ -337,12 +385,13 @@ void find_features(const Model& model, int one, int two, const std::vector<LinkM
   for (const auto& [mesh, other] : {std::pair{one, two}, std::pair{two, one}})
     if (on_surface(model.contact.shape(mesh).kind, model.contact.shape(other).kind))
       return find_mesh_features(model, other, mesh, links, reach, depth, features);
-  find_features(Solid(model, one, links), Solid(model, two, links), reach, preferred, features);
+  int apart = none;
+  find_features(Solid(model, one, links), Solid(model, two, links), reach, preferred, features, apart);
 }
 
 void find_features(const Solid& a, const Solid& b, double reach, std::int64_t preferred,
-                   std::vector<ContactFeature>& features) {
-  FeatureFinder finder(a, b, reach, preferred, features);
+                   std::vector<ContactFeature>& features, int& apart) {
+  FeatureFinder finder(a, b, reach, preferred, features, apart);
   const Kind ka = a.shape.kind, kb = b.shape.kind;
   const auto ball_on = [&](const Solid& ball, const Solid& other) {
     if (other.shape.kind == Kind::hull)

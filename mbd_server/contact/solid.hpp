@@ -27,14 +27,12 @@ class Solid {
         centre(link.point(shape.centre)) {
     points.reserve(shape.points.size());
     for (const Vector3d& p : shape.points) points.push_back(link.point(p));
+    normals_.reserve(shape.faces.size());
+    for (const ContactShape::Face& f : shape.faces) normals_.push_back(link.R_WL * f.normal);
   }
   Vector3d local(const Vector3d& p) const { return link.R_WL.transpose() * (p - link.p_WL); }
   Vector3d turned_back(const Vector3d& d) const { return link.R_WL.transpose() * d; }
-  const Vector3d& normal(std::size_t face) const {
-    if (normals_.empty())
-      for (const ContactShape::Face& f : shape.faces) normals_.push_back(link.R_WL * f.normal);
-    return normals_[face];
-  }
+  const Vector3d& normal(std::size_t face) const { return normals_[face]; }
   // Of an edge: across the arc between the normals of its faces.
   const Vector3d& across_arc(std::size_t edge) const {
     if (across_arcs_.empty())
@@ -53,11 +51,15 @@ class Solid {
   }
 
  private:
-  mutable std::vector<Vector3d> normals_, across_arcs_;  // (faces), (edges): when they are asked for first
+  std::vector<Vector3d> normals_;              // (faces)
+  mutable std::vector<Vector3d> across_arcs_;  // (edges), when they are asked for first
 };
 
-// As find_features() of two shapes of which none is a mesh, a height field or a cylinder on faces.
+// As find_features() of two shapes of which none is a mesh, a height field or a cylinder on faces. `apart`:
+// the face, of a and then of b, above which the other one was beyond reach before; none: it is not known. It
+// is looked at first, and changes nothing but the time of the search. Afterwards, the face that separates
+// them.
 void find_features(const Solid& a, const Solid& b, double reach, std::int64_t preferred,
-                   std::vector<ContactFeature>& features);
+                   std::vector<ContactFeature>& features, int& apart);
 
 }  // namespace tandem::mbd

@@ -114,6 +114,17 @@ std::vector<std::string> run_warnings(const RunFigures& f) {
         "than half of that from the surface to the middle of the thinner one: such shapes may "
         "push each other though they pass beside each other; give a shorter mbd.integrator.step",
         f.body_contacts->passing));
+  if (f.body_contacts && f.body_contacts->turning > 0)
+    list.push_back(fmt::format(
+        "in {} contacts of time stepping a shape that is no sphere turned by more than 0.5 rad within the "
+        "step, and pushed where it was at its begin: give a shorter mbd.integrator.step",
+        f.body_contacts->turning));
+  if (f.body_contacts && f.body_contacts->dull > 0)
+    list.push_back(fmt::format(
+        "{} contacts of time stepping between materials with a restitution above 0.5 began in a step longer "
+        "than 1/30 of the duration of their impact: they rebound with less; give a shorter "
+        "mbd.integrator.step, or leave out mbd.contact.impacts",
+        f.body_contacts->dull));
   // Data have digits: a start that is off by less changes nothing that shows.
   constexpr double shows = 1e-3, matters = 0.01;  // of the thinner shape; of the energy that moves
   const ReleasedAtStart& r = f.released;

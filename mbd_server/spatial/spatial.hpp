@@ -68,8 +68,9 @@ inline Vector6d wrench_at(const Vector3d& p, const Vector3d& f, const Vector3d& 
   return spatial(torque + p.cross(f), f);
 }
 
-// V x X: rate of a motion vector X that is fixed in a body with the velocity V. This and the next one are
-// written out, since every link needs them several times in every evaluation.
+// V x X: rate of a motion vector X that is fixed in a body with the velocity V. This one and those below are
+// written out, since every link needs them several times in every evaluation; Eigen's comma initialiser of a
+// column is not inlined.
 inline Vector6d cross_motion(const Vector6d& V, const Vector6d& X) {
   return Vector6d{{V[1] * X[2] - V[2] * X[1], V[2] * X[0] - V[0] * X[2], V[0] * X[1] - V[1] * X[0],
                    V[4] * X[2] - V[5] * X[1] + V[1] * X[5] - V[2] * X[4],
@@ -90,14 +91,43 @@ inline Vector6d cross_force(const Vector6d& V, const Vector6d& F) {
 inline Matrix6d spatial_inertia(double m, const Vector3d& c, const Matrix3d& J) {
   const double x = c[0], y = c[1], z = c[2], mx = m * x, my = m * y, mz = m * z;
   const double xx = mz * z + my * y, yy = mz * z + mx * x, zz = my * y + mx * x;
-  Matrix6d I;
-  I.col(0) << J(0, 0) + xx, J(1, 0) - mx * y, J(2, 0) - mx * z, 0, -mz, my;
-  I.col(1) << J(0, 1) - my * x, J(1, 1) + yy, J(2, 1) - my * z, mz, 0, -mx;
-  I.col(2) << J(0, 2) - mz * x, J(1, 2) - mz * y, J(2, 2) + zz, -my, mx, 0;
-  I.col(3) << 0, mz, -my, m, 0, 0;
-  I.col(4) << -mz, 0, mx, 0, m, 0;
-  I.col(5) << my, -mx, 0, 0, 0, m;
-  return I;
+  const double columns[] = {J(0, 0) + xx,
+                            J(1, 0) - mx * y,
+                            J(2, 0) - mx * z,
+                            0,
+                            -mz,
+                            my,  //
+                            J(0, 1) - my * x,
+                            J(1, 1) + yy,
+                            J(2, 1) - my * z,
+                            mz,
+                            0,
+                            -mx,  //
+                            J(0, 2) - mz * x,
+                            J(1, 2) - mz * y,
+                            J(2, 2) + zz,
+                            -my,
+                            mx,
+                            0,  //
+                            0,
+                            mz,
+                            -my,
+                            m,
+                            0,
+                            0,  //
+                            -mz,
+                            0,
+                            mx,
+                            0,
+                            m,
+                            0,  //
+                            my,
+                            -mx,
+                            0,
+                            0,
+                            0,
+                            m};
+  return Eigen::Map<const Matrix6d>(columns);
 }
 
 // Matrix of the linear map X -> I (X x V) + X x* (I V) + V x* (I X): the derivative with respect to V of V x*
@@ -108,9 +138,12 @@ inline Matrix6d velocity_gradient(const Matrix6d& I, const Vector6d& V) {
   Matrix6d turned;  // the transpose of I V x
   for (int j = 0; j < 6; ++j) {
     const double a = I(0, j), b = I(1, j), c = I(2, j), d = I(3, j), e = I(4, j), f = I(5, j);
-    turned.col(j) << b * V[2] - c * V[1] + e * V[5] - f * V[4], c * V[0] - a * V[2] + f * V[3] - d * V[5],
-        a * V[1] - b * V[0] + d * V[4] - e * V[3], e * V[2] - f * V[1], f * V[0] - d * V[2],
-        d * V[1] - e * V[0];
+    turned(0, j) = b * V[2] - c * V[1] + e * V[5] - f * V[4];
+    turned(1, j) = c * V[0] - a * V[2] + f * V[3] - d * V[5];
+    turned(2, j) = a * V[1] - b * V[0] + d * V[4] - e * V[3];
+    turned(3, j) = e * V[2] - f * V[1];
+    turned(4, j) = f * V[0] - d * V[2];
+    turned(5, j) = d * V[1] - e * V[0];
   }
   Matrix6d G = -turned - turned.transpose();
   const Matrix3d top = skew(h.head<3>()), bottom = skew(h.tail<3>());  // X -> X x* h

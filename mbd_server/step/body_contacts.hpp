@@ -43,6 +43,11 @@ struct BodyContactCounters {
   // Time stepping: points that began to push in a step in which the shapes moved past each other by more than
   // half of that from the surface to the middle of the thinner one.
   std::uint64_t passing = 0;
+  // Time stepping: points that push while a shape that is no sphere turns by more than half a radian in the
+  // step.
+  std::uint64_t turning = 0;
+  // Time stepping: points that came into contact in a step too long for the rebound of their materials.
+  std::uint64_t dull = 0;
 };
 
 // Energy of the contacts at the start that no load holds: it throws bodies apart.
@@ -86,6 +91,8 @@ class BodyContacts {
     counters_.steps += after.steps - before.steps;
     counters_.unsettled += after.unsettled - before.unsettled;
     counters_.passing += after.passing - before.passing;
+    counters_.turning += after.turning - before.turning;
+    counters_.dull += after.dull - before.dull;
   }
   // Sets what the last step of all islands has lost [J], and its extremes.
   void set_of_islands(double lost, const ContactExtremes& extremes) {

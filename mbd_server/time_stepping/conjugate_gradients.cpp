@@ -32,20 +32,21 @@ bool ConjugateGradients::precondition(const BlockMatrix& A) {
   return true;
 }
 
-// z = M^-1 residual.
-void ConjugateGradients::apply(const BlockMatrix& A) {
-  z_ = residual_;
+// z = M^-1 r.
+void ConjugateGradients::apply(const BlockMatrix& A, const std::vector<Vector6d>& r,
+                               std::vector<Vector6d>& z) const {
+  z = r;
   std::size_t k = 0;
-  for (std::size_t i = 0; i < z_.size(); ++i) {
-    z_[i] = inverse_[i].lazyProduct(z_[i]).eval();
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    z[i] = inverse_[i].lazyProduct(z[i]).eval();
     for (; k < A.pairs.size() && as_index(A.pairs[k].first) == i; ++k)
-      z_[as_index(A.pairs[k].second)].noalias() -= A.upper[k].transpose().lazyProduct(z_[i]);
+      z[as_index(A.pairs[k].second)].noalias() -= A.upper[k].transpose().lazyProduct(z[i]);
   }
-  for (std::size_t i = z_.size(); i-- > 0;) {
+  for (std::size_t i = z.size(); i-- > 0;) {
     Vector6d sum = Vector6d::Zero();
     for (; k > 0 && as_index(A.pairs[k - 1].first) == i; --k)
-      sum.noalias() += A.upper[k - 1].lazyProduct(z_[as_index(A.pairs[k - 1].second)]);
-    z_[i].noalias() -= inverse_[i].lazyProduct(sum);
+      sum.noalias() += A.upper[k - 1].lazyProduct(z[as_index(A.pairs[k - 1].second)]);
+    z[i].noalias() -= inverse_[i].lazyProduct(sum);
   }
 }
 
@@ -69,6 +70,41 @@ bool ConjugateGradients::solve(const BlockMatrix& A, double tolerance, std::vect
     size = next;
     ++iterations_;
   }
+  r = x_;
+  return true;
+}
+
+bool ConjugateGradients::solve(const BlockMatrix& A, const Add& add, double tolerance,
+                               std::vector<Vector6d>& r) {
+  if (!precondition(A)) return false;
+  const auto multiply = [&](const std::vector<Vector6d>& x, std::vector<Vector6d>& y) {
+    A.multiply(x, y);
+    add(x, y);
+  };
+  residual_ = shadow_ = p_ = r;
+  x_.assign(r.size(), Vector6d::Zero());
+  Ap_.resize(r.size()), A_half_.resize(r.size()), half_.resize(r.size());
+  double rho = product(shadow_, residual_);
+  const double enough = tolerance * tolerance * rho;
+  for (int i = 0; product(residual_, residual_) > enough; ++i) {
+    if (i == most_products / 2 || !std::isfinite(rho) || rho == 0) return false;
+    apply(A, p_, z_);
+    multiply(z_, Ap_);
+    const double alpha = rho / product(shadow_, Ap_);
+    for (std::size_t k = 0; k < half_.size(); ++k) half_[k] = residual_[k] - alpha * Ap_[k];
+    apply(A, half_, z_half_);
+    multiply(z_half_, A_half_);
+    const double size = product(A_half_, A_half_), omega = size > 0 ? product(A_half_, half_) / size : 0;
+    for (std::size_t k = 0; k < x_.size(); ++k) {
+      x_[k] += alpha * z_[k] + omega * z_half_[k];
+      residual_[k] = half_[k] - omega * A_half_[k];
+    }
+    const double next = product(shadow_, residual_), beta = next / rho * alpha / omega;
+    for (std::size_t k = 0; k < p_.size(); ++k) p_[k] = residual_[k] + beta * (p_[k] - omega * Ap_[k]);
+    rho = next;
+    iterations_ += 2;
+  }
+  if (!std::isfinite(product(x_, x_))) return false;
   r = x_;
   return true;
 }

@@ -11,8 +11,10 @@ namespace tandem::mbd {
 namespace {
 
 // Of the scaled gradient, over the momenta: of a minimum, and of the bounds of friction.
-constexpr double tolerance_of_minimum = 1e-6, tolerance_of_bounds = 1e-4, tolerance_of_first = 1e-2,
-                 share_of_misfit = 0.3;
+constexpr double tolerance_of_minimum = 1e-6, tolerance_of_bounds = 1e-4, tolerance_of_first = 0.1,
+                 share_of_misfit = 0.4;
+// Below it Newton's method with bounds that follow is tried.
+constexpr double largest_to_fit = 0.02, least_progress = 0.5;
 constexpr int most_iterations = 100, most_minima = 16;
 // Conjugate gradients leave an error of the direction that stiff contacts enlarge: where so many iterations
 // of Newton's method with them find no minimum, it begins anew and factorises.
@@ -54,8 +56,9 @@ ContactProblem::Effort ContactProblem::solve(double h) {
   do {
     minimise(share_of_misfit * misfit, effort);
     ++effort.minima;
-    bound_friction();
-    evaluate();
+    evaluate(Bounds::fitted);
+    bool fits = misfit_ < largest_to_fit;
+    while (fits && misfit_ > tolerance_of_bounds) fits = fit_bounds(effort);
     misfit = misfit_;
     effort.settled = misfit <= tolerance_of_bounds;
   } while (!effort.settled && static_cast<int>(effort.minima) < most_minima);
@@ -90,14 +93,19 @@ Vector3d ContactProblem::velocity_at(const Point& p, const std::vector<Vector6d>
   return sum;
 }
 
+double ContactProblem::normal_at(const Point& p, const Vector3d& velocity) const {
+  const double v_n = p.n.dot(velocity), depth = p.depth - h_ * v_n, grip = 1 - p.damping * v_n;
+  return depth > 0 && grip > 0 ? h_ * p.stiffness * depth * grip : 0;
+}
+
 template <ContactProblem::Slopes slopes>
 ContactProblem::Impulse ContactProblem::impulse_at(const Point& p, const Vector3d& velocity) const {
   constexpr bool with_slopes = slopes == Slopes::with;
-  const double v_n = p.n.dot(velocity), depth = p.depth - h_ * v_n, grip = 1 - p.damping * v_n;
+  const double v_n = p.n.dot(velocity);
   Impulse of;
-  const bool bears = depth > 0 && grip > 0;
-  if (bears) of.normal = h_ * p.stiffness * depth * grip;
-  if (with_slopes && bears) {
+  of.normal = normal_at(p, velocity);
+  if (with_slopes && of.normal > 0) {
+    const double depth = p.depth - h_ * v_n, grip = 1 - p.damping * v_n;
     of.normal_slope = h_ * p.stiffness * (h_ * grip + p.damping * depth);
     of.slope.noalias() = (of.normal_slope * p.n) * p.n.transpose();
   }
@@ -110,18 +118,22 @@ ContactProblem::Impulse ContactProblem::impulse_at(const Point& p, const Vector3
   if (with_slopes) {
     of.slope.diagonal().array() += share * k;
     of.slope.noalias() -= (share * k * p.n) * p.n.transpose();
-    if (slides) of.slope.noalias() -= (share * k / (size * size) * of.tangential) * of.tangential.transpose();
+    if (slides) {
+      of.slope.noalias() -= (share * k / (size * size) * of.tangential) * of.tangential.transpose();
+      of.slip = of.tangential / size;
+    }
   }
   of.tangential *= share;
   return of;
 }
 
-void ContactProblem::evaluate() {
+void ContactProblem::evaluate(Bounds bounds) {
   double of_gradient = 0, of_momenta = 0, of_impulses = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) gradient_[i].setZero(), v_[i] = bodies[i].v;
   for (std::size_t k = 0; k < points.size(); ++k) {
     Point& p = points[k];
     p.velocity = velocity_at(p, v_) + p.given;
+    if (bounds == Bounds::fitted) p.bound = p.friction * normal_at(p, p.velocity);
     impulses_[k] = impulse_at<Slopes::with>(p, p.velocity);
     p.normal = impulses_[k].normal, p.tangential = impulses_[k].tangential;
     const Vector3d impulse = p.impulse();
@@ -138,6 +150,34 @@ void ContactProblem::evaluate() {
   }
   const double scale = std::max(of_impulses, of_momenta);
   misfit_ = scale > 0 ? std::sqrt(of_gradient / scale) : 0;
+}
+
+// A step of Newton's method with bounds that follow the normal impulses: its matrix is not symmetric, and no
+// function falls along it. Returns false, and changes nothing, where it does not halve the misfit.
+bool ContactProblem::fit_bounds(Effort& effort) {
+  if (is_stiff_) return false;
+  assemble();
+  for (std::size_t i = 0; i < bodies.size(); ++i) direction_[i] = -gradient_[i];
+  const auto add = [&](const std::vector<Vector6d>& x, std::vector<Vector6d>& y) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Point& p = points[k];
+      const Impulse& of = impulses_[k];
+      if (of.normal_slope == 0 || of.slip.isZero(0)) continue;
+      const Vector3d impulse = (p.friction * of.normal_slope * p.n.dot(velocity_at(p, x))) * of.slip;
+      if (p.b != none) y[as_index(p.b)] += wrench_at(p.r_b, impulse);
+      if (p.a != none) y[as_index(p.a)] -= wrench_at(p.r_a, impulse);
+    }
+  };
+  if (!iterative_.solve(matrix_, add, tolerance_of_direction, direction_)) return false;
+  const double before = misfit_;
+  const std::vector<Vector6d> start = v_;
+  for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k].v += direction_[k];
+  ++effort.iterations;
+  evaluate(Bounds::fitted);
+  if (misfit_ <= least_progress * before) return true;
+  for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k].v = start[k];
+  evaluate(Bounds::fitted);
+  return false;
 }
 
 void ContactProblem::minimise(double tolerance, Effort& effort) {
@@ -225,10 +265,6 @@ double ContactProblem::step_length() const {
     length = newton > low && newton < high ? newton : high == HUGE_VAL ? 2 * length : 0.5 * (low + high);
   }
   return length;
-}
-
-void ContactProblem::bound_friction() {
-  for (Point& p : points) p.bound = p.friction * p.normal;
 }
 
 }  // namespace tandem::mbd

@@ -42,12 +42,13 @@ void TimeStepping::wake(State& state) {
   for (bool any = true; any;) {
     std::vector<bool> woken(bodies_.size(), false);
     any = false;
-    near_.for_each_near([&](int a, int b) {
+    near_.for_each_near([&](StepPoints::Pair& pair) {
+      const int a = pair.a, b = pair.b;
       const auto asleep = [&](int shape) { return body_of(shape) != none && sleeps(state, body_of(shape)); };
       const auto moves = [&](int shape) {
         return body_of(shape) != none ? !sleeps(state, body_of(shape)) : near_.travel(shape) > 0;
       };
-      if (!((asleep(a) && moves(b)) || (asleep(b) && moves(a))) || !near_.may_touch(a, b)) return;
+      if (!((asleep(a) && moves(b)) || (asleep(b) && moves(a))) || !near_.may_touch(pair)) return;
       woken[as_index(first(body_of(asleep(a) ? a : b)))] = any = true;
     });
     for (int body = 0; body < std::ssize(bodies_); ++body)

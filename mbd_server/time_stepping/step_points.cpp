@@ -46,11 +46,15 @@ void StepPoints::begin(const std::vector<LinkMotion>& links, double h) {
                                              steps_of_margin * bounds_[s].travel);
     centres_[s] = bounds_[s].centre;
   }
-  find_pairs(model_, links, h, pairs_, &margins_);
+  find_pairs(model_, links, h, nearest_, &margins_);
+  pairs_.clear();
+  for (const NearPair& pair : nearest_) pairs_.push_back({pair.a, pair.b});
+  // So that points come in the order of sort().
+  std::ranges::sort(pairs_, {}, [](const Pair& pair) { return ShapePair{pair.a, pair.b}; });
 }
 
 // A plane that moves turns about its link: all of it counts as near.
-bool StepPoints::is_near(const NearPair& pair) const {
+bool StepPoints::is_near(const Pair& pair) const {
   const ContactShape &a = model_.contact.shape(pair.a), &b = model_.contact.shape(pair.b);
   const auto above = [&](int plane, int other) {
     const ContactShape& shape = model_.contact.shape(plane);
@@ -68,20 +72,31 @@ bool StepPoints::is_near(const NearPair& pair) const {
   return distance <= size + reach(pair.a, pair.b);
 }
 
-bool StepPoints::may_touch(int a, int b) {
+bool StepPoints::may_touch(Pair& pair) {
+  const double most = reach(pair.a, pair.b);
   features_.clear();
-  find_features(solids_[as_index(a)], solids_[as_index(b)], reach(a, b), -1, features_);
+  find_features(solids_[as_index(pair.a)], solids_[as_index(pair.b)], most, -1, features_, pair.apart);
   return std::ranges::any_of(features_,
-                             [&](const ContactFeature& f) { return gap(model_, f, *links_) <= reach(a, b); });
+                             [&](const ContactFeature& f) { return gap(model_, f, *links_) <= most; });
 }
 
 void StepPoints::sort(std::vector<ContactPoint>& points) {
   const auto pair = [](const ContactPoint& point) { return pair_of(point.feature); };
-  if (!std::ranges::is_sorted(points, {}, pair)) std::ranges::stable_sort(points, {}, pair);
+  if (std::ranges::is_sorted(points, {}, pair)) return;
+  // Points are large: each is moved once.
+  std::vector<std::pair<ShapePair, std::size_t>> order;
+  order.reserve(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) order.emplace_back(pair_at(points, k), k);
+  std::sort(order.begin(), order.end());
+  std::vector<ContactPoint> sorted;
+  sorted.reserve(points.size());
+  for (const auto& [of, k] : order) sorted.push_back(points[k]);
+  points.swap(sorted);
 }
 
-void StepPoints::find(int a, int b, const std::vector<ContactPoint>& points, std::vector<Found>& found) {
-  const ShapePair pair{a, b};
+void StepPoints::find(Pair& near, const std::vector<ContactPoint>& points, std::vector<Found>& found) {
+  const ShapePair pair{near.a, near.b};
+  const double most = reach(near.a, near.b);
   const auto first = static_cast<std::size_t>(
       std::partition_point(points.begin(), points.end(),
                            [&](const ContactPoint& p) { return pair_of(p.feature) < pair; }) -
@@ -89,8 +104,8 @@ void StepPoints::find(int a, int b, const std::vector<ContactPoint>& points, std
   std::size_t last = first;
   while (last < points.size() && pair_at(points, last) == pair) ++last;
   features_.clear();
-  find_features(solids_[as_index(a)], solids_[as_index(b)], reach(a, b),
-                first == last ? -1 : points[last - 1].feature.code, features_);
+  find_features(solids_[as_index(near.a)], solids_[as_index(near.b)], most,
+                first == last ? -1 : points[last - 1].feature.code, features_, near.apart);
   matches_.begin(features_.size());
   for (std::size_t k = first; k < last; ++k) {
     const ContactFeature& g = points[k].feature;
@@ -102,7 +117,7 @@ void StepPoints::find(int a, int b, const std::vector<ContactPoint>& points, std
   }
   matches_.choose(model_, features_);
   for (std::size_t i = 0; i < features_.size(); ++i)
-    if (matches_[i] != PointMatches::part_of_another && gap(model_, features_[i], *links_) <= reach(a, b))
+    if (matches_[i] != PointMatches::part_of_another && gap(model_, features_[i], *links_) <= most)
       found.push_back({features_[i], matches_[i]});
 }
 

@@ -21,15 +21,19 @@ class StepPoints {
 
   // Call first in a step of length h.
   void begin(const std::vector<LinkMotion>& links, double h);
-  // Whether two shapes of a pair may touch within the step.
+  // Two shapes that may touch within the step.
+  struct Pair {
+    int a, b;
+    int apart = -1;  // an axis that separates them, for find_features()
+  };
   template <class F>
-  void for_each_near(F&& f) const {
-    for (const NearPair& pair : pairs_)
-      if (is_near(pair)) f(pair.a, pair.b);
+  void for_each_near(F&& f) {
+    for (Pair& pair : pairs_)
+      if (is_near(pair)) f(pair);
   }
-  bool may_touch(int a, int b);
+  bool may_touch(Pair& pair);
   // The features of the pair; `points`: those of the step before, in the order of sort().
-  void find(int a, int b, const std::vector<ContactPoint>& points, std::vector<Found>& found);
+  void find(Pair& pair, const std::vector<ContactPoint>& points, std::vector<Found>& found);
   // Largest way of a point of the shape in the step, at the rates of its begin [m].
   double travel(int shape) const { return bounds_[static_cast<std::size_t>(shape)].travel; }
 
@@ -41,7 +45,7 @@ class StepPoints {
     Vector3d centre;
     double travel;
   };
-  bool is_near(const NearPair& pair) const;
+  bool is_near(const Pair& pair) const;
   double reach(int a, int b) const { return travel(a) + travel(b); }
 
   const Model& model_;
@@ -49,9 +53,10 @@ class StepPoints {
   std::vector<Bound> bounds_;  // (shapes)
   std::vector<Solid> solids_;  // (shapes)
   // Pairs that are near while no shape has moved by more than its margin from where it was [m] (shapes).
-  std::vector<NearPair> pairs_;
+  std::vector<Pair> pairs_;
   std::vector<double> margins_;
   std::vector<Vector3d> centres_;
+  std::vector<NearPair> nearest_;
   std::vector<ContactFeature> features_;
   PointMatches matches_;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/error.hpp"
@@ -18,6 +19,11 @@ namespace {
 constexpr double least_entry_rate = 1e-9;
 // Of that from the surface to the middle of the thinner shape.
 constexpr double share_of_pass = 0.5;
+// Turn of a shape within a step [rad].
+constexpr double largest_turn = 0.5;
+// A step up to this share of the duration of an impact leaves the rebound of materials with a restitution
+// above 0.5, whose damping number is below this one.
+constexpr double share_of_rebound = 1. / 30, number_of_rebound = 1.4;
 
 Vector3d across_normal(const Vector3d& n, const Vector3d& x) {
   return x - n.dot(x) * n;
@@ -46,6 +52,10 @@ double energy_of_link(const Model& model, const Link& link, const LinkMotion& m)
 
 TimeStepping::TimeStepping(const Model& model) : model_(model), near_(model) {
   if (!apply()) return;
+  if (!model.closures.empty())
+    throw Error(ErrorCode::scene,
+                "time stepping of contacts closes no loops, as " + model.closures[0].name + " does",
+                "mbd.joints", "leave out a joint of the loop, or mbd.contact.impacts");
   const Linearisation blocks(model);
   bodies_ = FreeBodies(model, blocks).bodies();
   if (6 * static_cast<int>(bodies_.size()) != model.freedoms)
@@ -65,6 +75,10 @@ TimeStepping::TimeStepping(const Model& model) : model_(model), near_(model) {
 void TimeStepping::prepare(State& state) const {
   if (!apply()) return;
   state.island_steps.setZero(3, std::ssize(bodies_));
+  // Where no body is free, a contact has no effect.
+  std::erase_if(state.contacts, [&](const ContactPoint& point) {
+    return body_of(point.feature.a) == none && body_of(point.feature.b) == none;
+  });
   StepPoints::sort(state.contacts);
 }
 
@@ -80,7 +94,7 @@ void TimeStepping::step(State& state, const std::vector<LinkMotion>& links, doub
   account_.effort = problem_.solve(h);
   account_.contacts.unsettled = account_.effort.settled ? 0 : 1;
   move_bodies(state, links, h);
-  keep_points(state, h);
+  keep_points(state, links, h);
   record_work(links);
   rest(state, h);
   state.side = state.time;
@@ -198,13 +212,13 @@ double TimeStepping::mass_at(int shape, const Vector3d& r, const Vector3d& n) co
 void TimeStepping::gather_points(const State& state, const std::vector<LinkMotion>& links, double h) {
   touching_.clear();
   problem_.points.clear();
-  near_.for_each_near([&](int a, int b) {
+  near_.for_each_near([&](StepPoints::Pair& pair) {
     const auto awake = [&](int shape) {
       return body_of(shape) != none && place_of_[as_index(body_of(shape))] != none;
     };
-    if (!awake(a) && !awake(b)) return;
+    if (!awake(pair.a) && !awake(pair.b)) return;
     found_.clear();
-    near_.find(a, b, state.contacts, found_);
+    near_.find(pair, state.contacts, found_);
     for (const StepPoints::Found& one : found_) {
       ContactPoint& point = one.point < 0
                                 ? touching_.emplace_back()
@@ -290,8 +304,17 @@ bool TimeStepping::passes(const ContactPoint& point, const ContactProblem::Point
   return h * across_normal(p.n, velocity).norm() > share_of_pass * thickness_at(model_, point.feature);
 }
 
+// Whether one of the shapes turns by so much that it touches elsewhere at the end of the step.
+bool TimeStepping::turns(const ContactPoint& point, const std::vector<LinkMotion>& links, double h) const {
+  return std::ranges::any_of(std::array{point.feature.a, point.feature.b}, [&](int shape) {
+    const LinkMotion &before = link_of(model_, shape, links), &after = link_of(model_, shape, ahead_);
+    const double spin = std::max(before.V.head<3>().norm(), after.V.head<3>().norm());
+    return model_.contact.shape(shape).kind != ContactShape::Kind::sphere && h * spin > largest_turn;
+  });
+}
+
 // Points that bear or overlap stay, with the springs that have the friction of the end of the step.
-void TimeStepping::keep_points(State& state, double h) {
+void TimeStepping::keep_points(State& state, const std::vector<LinkMotion>& links, double h) {
   kept_.clear();
   for (const ContactPoint& point : state.contacts) {
     const int a = body_of(point.feature.a), b = body_of(point.feature.b);
@@ -306,9 +329,12 @@ void TimeStepping::keep_points(State& state, double h) {
     const Touch t = touch(model_, point.feature, ahead_, Derivatives::without);
     account_.lost -= p.impulse().dot(p.velocity);
     if (passes(point, p, h)) ++account_.contacts.passing;
+    if (p.normal > 0 && turns(point, links, h)) ++account_.contacts.turning;
     if (!(p.normal > 0) && !(t.gap < 0)) continue;
     account_.extremes.force = std::max(account_.extremes.force, p.normal / h);
-    expect_outside(point, -t.gap, state.time + h);
+    // Along the normal of the begin of the step: shapes that have gone through each other may be apart again.
+    const double along = p.normal > 0 ? p.depth - h * p.n.dot(p.velocity) : -t.gap;
+    expect_outside(point, std::max(-t.gap, along), state.time + h);
     if (const double share = -t.gap / thickness_at(model_, point.feature);
         share > account_.extremes.depth_share)
       account_.extremes.depth_share = share, account_.extremes.shape_a = point.feature.a,
@@ -320,7 +346,11 @@ void TimeStepping::keep_points(State& state, double h) {
     point.friction.on_a = in_link(a, t.p);
     point.friction.on_b = in_link(b, t.p + stretch);
     account_.lost -= stored_in(law, point, -t.gap, stretch);
-    if (point.entry_time == 0) point.entry_time = state.time + h, ++account_.contacts.contacts;
+    if (point.entry_time == 0) {
+      point.entry_time = state.time + h, ++account_.contacts.contacts;
+      if (law.damping_number < number_of_rebound && h > share_of_rebound * half_period(law, point.mass, 0))
+        ++account_.contacts.dull;
+    }
     kept_.push_back(point);
   }
   account_.lost += account_.by_step;

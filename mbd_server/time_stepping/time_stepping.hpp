@@ -59,10 +59,11 @@ class TimeStepping {
   void gather_points(const State& state, const std::vector<LinkMotion>& links, double h);
   void add_point(ContactPoint& point, bool is_new, const std::vector<LinkMotion>& links, double h);
   void move_bodies(State& state, const std::vector<LinkMotion>& links, double h);
-  void keep_points(State& state, double h);
+  void keep_points(State& state, const std::vector<LinkMotion>& links, double h);
   void record_work(const std::vector<LinkMotion>& links);
   void rest(State& state, double h);
   bool passes(const ContactPoint& point, const ContactProblem::Point& p, double h) const;
+  bool turns(const ContactPoint& point, const std::vector<LinkMotion>& links, double h) const;
   void expect_outside(const ContactPoint& point, double depth, double time) const;
 
   int body_of(int shape) const;

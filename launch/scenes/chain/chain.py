@@ -16,7 +16,7 @@ PITCH, WIRE, WIDTH = 0.036, 0.008, 0.020  # inner length of a link; wire; betwee
 DENSITY = 7800  # [kg/m3]
 POCKETS = 6  # of the wheel: two links each
 STIFFNESS, FRICTION, RESTITUTION = 1e6, 0.2, 0.1
-STEP = 5e-4  # [s]
+STEP, WINDOW = 5e-4, 2e-3  # [s]
 GROOVE = 0.014  # width of the groove [m]
 SPEED, START, DURATION = 0.3, 0.3, 0.2  # of the chain [m/s], the begin of its motion, until it has that speed [s]
 
@@ -120,8 +120,8 @@ def scene(name, count, end):
     return {
         "tandem": "1.1", "name": name,
         "description": f"A chain of {count} round links hangs over a wheel with {POCKETS} pockets, which a motion turns. chain.py wrote this file.",
-        "gravity": [0, 0, -G], "end_time": end, "coupling": {"window": STEP},
-        "mbd": {"bodies": [wheel()] + chain(count),
+        "gravity": [0, 0, -G], "end_time": end, "coupling": {"window": WINDOW},
+        "mbd": {"integrator": {"step": STEP}, "bodies": [wheel()] + chain(count),
                 "joints": [{"name": "axle", "type": "revolute", "child": "wheel", "position": [0, 0, 0], "axis": [0, 1, 0],
                             "motion": {"type": "ramp", "of": "speed", "from": 0, "to": -rate, "start": START, "duration": DURATION}}],
                 "contact": {"impacts": "time_stepping",

@@ -21,7 +21,7 @@ HEIGHT, WIDTH = 2.0, 1.6  # of the belt, and between the guides [m]
 SLOPE, CHUTE = math.radians(33), 3.0  # of the chute [rad], its length [m]
 BIN = 3.0  # length of the bin [m]
 ABREAST, DISTANCE = 3, 0.55  # parcels in a row; of two rows [m]
-STEP = 2e-3  # [s]
+STEP, WINDOW = 2e-3, 1e-2  # [s]
 
 
 def parcels(count):
@@ -93,8 +93,8 @@ def scene(name, count, end):
         "tandem": "1.1", "name": name,
         "description": f"{count} parcels of five sizes on a belt, which drops them on a chute into a bin. "
                        "parcels.py wrote this file.",
-        "gravity": [0, 0, -G], "end_time": end, "coupling": {"window": STEP},
-        "mbd": {"bodies": parcels(count),
+        "gravity": [0, 0, -G], "end_time": end, "coupling": {"window": WINDOW},
+        "mbd": {"integrator": {"step": STEP}, "bodies": parcels(count),
                 "contact": {"impacts": "time_stepping",
                             "materials": [{"name": name, "stiffness": STIFFNESS, "restitution": 0.1, "friction": FRICTION}
                                           for name in ("cardboard", "steel")],

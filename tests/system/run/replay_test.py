@@ -39,6 +39,11 @@ class Replay(ReplayCase):
         self.assertRegex(said, r"\n +0\.\d{6}  tandem -> dem_server +advance_dem +11 +0 +\d+\n")
         self.assertFalse((self.out / "last_windows.rec").exists())
 
+    def test_bodies_that_touch(self):
+        file = self.folder / "chain.rec"
+        self.run_scene(SCENES.parents[2] / "launch/scenes/chain/chain_preview.json", "--end-time", "0.02", "--record", file)
+        self.assertRegex(self.replay(file, "--role", "mbd"), r"equal: \d\d answers of mbd_server in 10 windows")
+
     def test_a_stream_is_for_a_program(self):
         said = self.replay(self.record(), "--role", "dem", "--transport", "stream", expect=2)
         self.assertRegex(said, r"--transport stream: the solver of tandem runs inside this process .*--server .*/dem_server")

@@ -11,8 +11,9 @@ import harness
 from harness import SCENES, Case, until
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "launch" / "scenes"
-# Loops, stops, error control; a light body; every way to exchange loads.
-SOME = [("mbd/squeezer", []), ("mbd/stops", []), ("mbd/governor", []), ("stiff/light_plate", [])] + [
+# Loops, stops, error control; bodies in contact by time stepping; a light body; every way to exchange loads.
+SOME = [("mbd/squeezer", []), ("mbd/stops", []), ("mbd/governor", []), ("parcels/parcels_preview", []),
+        ("chain/chain_preview", []), ("stiff/light_plate", [])] + [
     ("stiff/hydraulic_bucket", ["--scheme", scheme])
     for scheme in ["parallel", "mbd_first", "dem_first", "linear_implicit", "implicit"]]
 ADAPTIVE = {"scheme": "implicit", "window": 5e-4, "iteration": {"method": "iqn_ils"},
