@@ -1,4 +1,5 @@
 // What is between two points, and what the lists make of it.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -111,16 +112,22 @@ TEST(NeighbourList, EndsAtASheet) {
                                          in_cell.data(),
                                          position.data(),
                                          x.data(),
-                                         reaches,
-                                         walls.view(),
-                                         facets.view(),
-                                         distance.data(),
-                                         clearance.data()},
+                                         reaches},
                   list);
-  EXPECT_EQ(std::vector<std::uint32_t>(list.start.data(), list.start.data() + n + 1),
-            (std::vector<std::uint32_t>{0, 0, 1, 2, 3, 4}));
-  EXPECT_EQ(list.entry.data()[0].index(), 2u);
-  EXPECT_EQ(list.entry.data()[2].index(), 4u);
+  const std::vector<std::uint32_t> all{0, 1, 2, 3, 4};
+  exec.keep_entries(
+      n, all.data(),
+      SeesNeighbour{{}, x.data(), walls.view(), facets.view(), distance.data(), clearance.data()}, list);
+  const auto neighbours_of = [view = list.view()](std::uint32_t i) {
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t k = view.start[i]; k < view.end[i]; ++k) found.push_back(view.entry[k].index());
+    return found;
+  };
+  EXPECT_THAT(neighbours_of(0), testing::IsEmpty());
+  EXPECT_THAT(neighbours_of(1), testing::ElementsAre(2u));
+  EXPECT_THAT(neighbours_of(2), testing::ElementsAre(1u));
+  EXPECT_THAT(neighbours_of(3), testing::ElementsAre(4u));
+  EXPECT_THAT(neighbours_of(4), testing::ElementsAre(3u));
 }
 
 // Lists of random particles with skins of their own in domains of some cells, periodic along some axes,
@@ -157,15 +164,10 @@ void expect_lists_of_all_pairs(int span, Vec3d size, Vec3<bool> periodic, double
   exec.for_each(n, FindNearSkin{{grid, x.data(), largest.data()}, span, near_skin.data()});
   const Reaches reaches{support, skin.data(), near_skin.data(), 0};
   exec.for_each(n, PlaceInCells<Real>{centres, unit, skin.data(), x.data(), in_cell.data(), position.data()});
-  const std::vector<float> clearance(n, 1);  // no walls
-  const Walls none({}, reach);
-  List<CpuExec, std::uint32_t> facets;
-  exec.build_list(n, FindFacets{none.view(), x.data(), reaches}, facets);
   List<CpuExec, Neighbour> list;
   exec.build_list(n,
                   FindNeighbours<Real>{grid, grid.edge(1), span, apart, centres, periods, cell_start.data(),
-                                       in_cell.data(), position.data(), x.data(), reaches, none.view(),
-                                       facets.view(), nullptr, clearance.data()},
+                                       in_cell.data(), position.data(), x.data(), reaches},
                   list);
   for (std::uint32_t i = 0; i < n; ++i) {
     std::multiset<std::uint32_t> found, expected;
