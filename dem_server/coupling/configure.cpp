@@ -14,6 +14,7 @@
 #include "common/scene/plain_text.hpp"
 #include "dem_server/contact/parameters.hpp"
 #include "dem_server/coupling/load_solver.hpp"
+#include "dem_server/coupling/ranked_solver.hpp"
 #include "dem_server/engine/wall_rows.hpp"
 #include "dem_server/laws/particle_names.hpp"
 #include "dem_server/laws/step_limits.hpp"
@@ -124,6 +125,9 @@ protocol::Configured Solver::configure(const protocol::Configuration& configurat
   if (ranks_ != nullptr) expect_ranks();
   choice_ = choose_engine(scene_, ranks_ != nullptr ? backend_of_ranks(configuration.backend)
                                                     : choose_backend(configuration.backend));
+  if (ranks_ != nullptr && choice_.backend == Backend::cuda)
+    if (const std::string sentence = warn_of_few_spheres(spheres_, ranks_->size()); !sentence.empty())
+      warn(sentence);
   if (!fixed.empty())
     choice_.left_out.push_back(
         fmt::format("spheres that never move: {} fixed ones are walls of the ground", fixed.size()));

@@ -3,8 +3,10 @@
 // solvers that get the same arguments.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "dem_server/laws/particle_names.hpp"
 #include "particles/base/ranks.hpp"
@@ -47,6 +49,9 @@ class LeadingSolver final : public protocol::LoadSolver {
 
 // Error{usage} where the programs of the ranks, given by their digests, are not the same. Collective.
 void expect_same_program(Ranks& ranks, std::uint64_t digest);
+
+// A sentence where so few spheres are probably faster on one GPU than on several, else nothing.
+std::string warn_of_few_spheres(std::size_t spheres, unsigned gpus);
 
 // Executes the orders of rank 0 until it lets this rank leave. Ends all ranks where this one alone cannot
 // continue; the log says why.

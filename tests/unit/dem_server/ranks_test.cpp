@@ -1,4 +1,5 @@
 // Any number of ranks gives the bits of one process: positions, loads, totals. Ranks are threads here.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -326,6 +327,12 @@ TEST(RankedSolver, PredictsTheMemoryOfAHost) {
     EXPECT_GT(together, one) << "the cells of the domain twice";
     EXPECT_LT(alone, one);
   });
+}
+
+TEST(RankedSolver, WarnsOfFewSpheresOnSeveralGpus) {
+  EXPECT_THAT(dem::warn_of_few_spheres(200'000, 2), testing::HasSubstr("200000 spheres are few for 2 GPUs"));
+  EXPECT_EQ(dem::warn_of_few_spheres(1'000'000, 2), "");
+  EXPECT_EQ(dem::warn_of_few_spheres(250'000, 8), "");
 }
 
 TEST(RankedSolver, RefusesUnlikePrograms) {
