@@ -185,7 +185,8 @@ struct SumWalls {
     return sum;
   }
 
-  // What the facets of a body and the particle do to each other. ghost: acceleration by ghost_gradient.
+  // What the facets of a body and the particle do to each other. ghost: acceleration by the difference of the
+  // pressures of ghosts and particle [m/s2], see add_missing().
   template <class Bodies>
   TANDEM_HD void load(const Particle& p, std::uint32_t body, const FacetSums& facets, Vec3d surface,
                       Vec3d ghost, WallSums& sum, Tally& tally, Bodies& bodies) const {
