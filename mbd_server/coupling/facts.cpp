@@ -117,7 +117,7 @@ std::vector<std::string> run_warnings(const RunFigures& f) {
   if (f.body_contacts && f.body_contacts->turning > 0)
     list.push_back(fmt::format(
         "in {} contacts of time stepping a shape that is no sphere turned by more than 0.5 rad within the "
-        "step, and pushed where it was at its begin: give a shorter mbd.integrator.step",
+        "step, and pushed as it stood when the step began: give a shorter mbd.integrator.step",
         f.body_contacts->turning));
   if (f.body_contacts && f.body_contacts->dull > 0)
     list.push_back(fmt::format(
